@@ -158,7 +158,6 @@ impl Problem<'_> {
     /// With ν degrees of freedom of each covariance, Johansen's sum over the observations
     /// A = Σ (tr Mᵢ² + (tr Mᵢ)²)/2νᵢ, Mᵢ = 1 − H⁻¹·Vᵢ⁻¹ and H = Σ Vᵢ⁻¹, gives the law χ² ~ c·F(f, f₂) with f₂ = f·(f + 2)/3A
     /// and c = f + 2A − 6A/(f + 2).
-    #[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
     fn agreement(&self, (mean, of_mean): &(DVector<f64>, DMatrix<f64>)) -> Option<Agreement> {
         let none = vec![0.0; self.names.len()];
         let (mut chi_squared, mut estimated, mut uncertain) = (0.0, 0, 0.0);

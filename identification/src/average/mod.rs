@@ -218,7 +218,6 @@ fn notes(
 }
 
 /// Residual, relative error and counts of all captures together.
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 fn sums(combined: &mut Fit, fits: &[Fit]) {
     let (mut residual, mut torque, mut rows) = (0.0, 0.0, 0);
     for fit in fits {

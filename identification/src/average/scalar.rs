@@ -28,7 +28,6 @@ pub(crate) fn combined(estimated: &[(f64, f64)]) -> Estimated {
 
 /// Variance from one value to the next that their own variances do not explain, zero if they do, after
 /// DerSimonian and Laird.
-#[allow(clippy::cast_precision_loss, reason = "a number of captures")]
 pub(super) fn between(known: &[(f64, f64)]) -> f64 {
     let (fixed, total) = weighted(known, 0.0);
     let excess: f64 = known.iter().map(|(value, own)| (value - fixed).powi(2) / own).sum();

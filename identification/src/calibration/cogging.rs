@@ -85,7 +85,6 @@ pub fn cogging(
 }
 
 /// A harmonic of whole turns as a calibration has it.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number below that of the places")]
 fn estimated(harmonic: &Harmonic) -> CoggingEstimate {
     let half = |ci95: Option<[f64; 2]>| ci95.map_or(0.0, |[low, high]| 0.5 * (high - low));
     CoggingEstimate {
@@ -110,7 +109,6 @@ struct Rows {
 }
 
 impl Rows {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
     fn of(uniform: &Uniform, known: &Calibration) -> Self {
         let rate_hz = uniform.rate_hz;
         let edge_hz = EDGE_HZ.min(0.2 * rate_hz);

@@ -46,12 +46,6 @@ impl Band {
     }
 
     /// Solves for columns and a target that lie in the band already.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a number of samples"
-    )]
     pub(super) fn solve(&self, columns: &[Vec<f64>], target: &[f64]) -> Solved {
         let step = whole(self.rate_hz / (ROWS_PER_EDGE * self.edge_hz)).max(1);
         let settling = ((SETTLING * self.rate_hz / self.edge_hz) as usize).min(target.len() / 4);

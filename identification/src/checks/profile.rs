@@ -31,12 +31,6 @@ pub(super) struct Profile {
 }
 
 impl Profile {
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "bins of some turns"
-    )]
     pub(super) fn of(samples: &Samples<'_>) -> Self {
         let lowest = samples.angle_rad.iter().copied().fold(f64::INFINITY, f64::min);
         let width = TAU / BINS_PER_TURN;
@@ -100,7 +94,6 @@ impl Profile {
     }
 
     /// Angles at which the torque rises through its mean, rad.
-    #[allow(clippy::cast_precision_loss, reason = "bins of some turns")]
     pub(super) fn rising_crossings(&self) -> Vec<f64> {
         let mean_mnm = &self.mean_mnm;
         // Half of a sine's values lie below its amplitude over √2, shocks or not.
@@ -129,7 +122,6 @@ impl Profile {
 }
 
 /// The values with short holes bridged by straight lines: missed ticks and slips leave such.
-#[allow(clippy::cast_precision_loss, reason = "a few bins")]
 fn bridged(values: &[Option<f64>]) -> Vec<Option<f64>> {
     let mut bridged = values.to_vec();
     let mut before: Option<(usize, f64)> = None;
@@ -147,7 +139,6 @@ fn bridged(values: &[Option<f64>]) -> Vec<Option<f64>> {
 }
 
 /// The signal without its straight line.
-#[allow(clippy::cast_precision_loss, reason = "bins of some turns")]
 fn without_line(signal: &[f64]) -> Vec<f64> {
     let places: Vec<f64> = (0..signal.len()).map(|at| at as f64).collect();
     let (mean, slope) = line(signal, &places);

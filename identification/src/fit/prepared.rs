@@ -157,7 +157,6 @@ impl<'a> Prepared<'a> {
     }
 
     /// The choices that were made.
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     fn told(&self, uniform: &Uniform, method: PreparationMethod) -> Preparation {
         let Self { band, motion, row_filter, .. } = self;
         Preparation {

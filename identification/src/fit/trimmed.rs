@@ -104,7 +104,6 @@ impl<'a> Trimmed<'a> {
 
     /// Solves again with what the points of measured curves can do left out of the other columns: the curves stay as they are, and how little
     /// is known of them joins what is known of the rest.
-    #[allow(clippy::cast_precision_loss, reason = "numbers of rows and points")]
     pub(super) fn project_curves_out(&mut self, curves: CurveProjection) {
         let Self { problem, columns, target, .. } = self;
         let less = |column: &[f64], part: &[f64]| -> Vec<f64> {

@@ -54,7 +54,6 @@ pub(crate) struct Stick {
 
 impl Stick {
     /// Looks for rests and at their ends; `fitted` is what has been fitted so far.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths of a few samples")]
     pub(crate) fn of(uniform: &Uniform, motion: &KnobMotion, fitted: &[Effect]) -> Self {
         let rate_hz = uniform.rate_hz;
         let samples = |time_s: f64| ((time_s * rate_hz).round() as usize).max(FEWEST_SAMPLES);
@@ -200,7 +199,6 @@ fn rests(angle_rad: &[f64], noise_rad: f64, measured: &[bool], shortest: usize) 
 
 /// Reads `received_mnm`, which comes `delay` samples late, at `instant` (in samples) off a parabola through the last
 /// `length` samples received up to then: none of them has seen anything that happened after.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index within the capture")]
 fn ramp_end(received_mnm: &[f64], delay: f64, instant: f64, length: usize) -> Option<f64> {
     let last = instant.floor().max(0.0) as usize;
     let first = (last + 1).checked_sub(length)?;

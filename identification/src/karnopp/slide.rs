@@ -101,7 +101,6 @@ impl Slide<'_> {
         let limit_rad = FITS * self.noise_rad + LACKING * moved_rad.abs();
         let near = (0.5 * (low + high)).round().max(0.0);
         let at = Motion { angle_rad: border.rest_rad, ..Motion::default() };
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index within the window")]
         let acceleration_rad_s2 = self.acceleration_rad_s2(self.torque_mnm[near as usize], &at, direction).abs();
         (rms_rad <= limit_rad).then_some(Border { acceleration_rad_s2, ..border })
     }
@@ -183,7 +182,6 @@ impl Slide<'_> {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "an index of a sample")]
 pub(super) fn to_f64(index: usize) -> f64 {
     index as f64
 }

@@ -83,24 +83,16 @@ impl AngleBins {
     }
 
     /// Distance between the outermost angles, rad.
-    #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
     pub(super) fn travel_rad(&self) -> f64 {
         self.bins as f64 * self.bin_rad
     }
 
     /// Middle of the travel, rad.
-    #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
     pub(super) fn middle_rad(&self) -> f64 {
         (self.first as f64 + 0.5 * self.bins as f64) * self.bin_rad
     }
 
     /// Adds a sample.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_precision_loss,
-        clippy::cast_sign_loss,
-        reason = "indices of bins"
-    )]
     pub(super) fn add(&mut self, angle_rad: f64, row: &[f64]) {
         let columns = DVectorView::from_slice(row, row.len());
         self.gram.ger(1.0, &columns, &columns, 1.0);
@@ -117,12 +109,6 @@ impl AngleBins {
         }
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_precision_loss,
-        clippy::cast_sign_loss,
-        reason = "indices of bins"
-    )]
     fn make_room(&mut self, angle_rad: f64) {
         let stride = self.width + 1;
         loop {
@@ -149,12 +135,6 @@ impl AngleBins {
         }
     }
 
-    #[allow(
-        clippy::cast_possible_wrap,
-        clippy::cast_sign_loss,
-        clippy::cast_possible_truncation,
-        reason = "indices of bins"
-    )]
     fn coarsen(&mut self) {
         let stride = self.width + 1;
         let first = self.first.div_euclid(2);
@@ -173,12 +153,6 @@ impl AngleBins {
     }
 
     /// The best period, given the base coefficients; `None` while the travel supports none.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_precision_loss,
-        clippy::cast_sign_loss,
-        reason = "indices of wavenumbers"
-    )]
     pub(super) fn scan(&mut self, coefficients: &[f64], slow_rad_s: f64, band_hz: f64) -> Option<Scan> {
         let columns = self.width - 1;
         let length = (OVERSAMPLING * self.bins).next_power_of_two();

@@ -42,7 +42,6 @@ pub(super) struct Solution {
 
 impl Solution {
     /// Half width of a 95 % interval over the standard deviation, which the scatter of the blocks gives.
-    #[allow(clippy::cast_precision_loss, reason = "a number of blocks")]
     pub(super) fn critical(&self) -> f64 {
         student_95(self.blocks as f64 - 1.0)
     }
@@ -89,7 +88,6 @@ impl Blocks {
     }
 
     /// Solves with columns that are sums of the stored ones: `map` has a first row for the torque, and one for each.
-    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     pub(super) fn solve_mapped(&self, map: &DMatrix<f64>) -> Option<Solution> {
         let columns = map.nrows() - 1;
         let blocks: Vec<DMatrix<f64>> = self.blocks.iter().map(|block| map * block * map.transpose()).collect();

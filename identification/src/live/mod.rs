@@ -208,7 +208,6 @@ impl LiveFit {
     }
 
     /// Parameters as the data so far tell them, with intervals and verdicts.
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     pub fn estimate(&mut self) -> LiveEstimate {
         self.rescan();
         let long = !self.is_rotary || self.sliding as f64 > ABSENT_AFTER_S * self.rate_hz;
@@ -265,7 +264,6 @@ impl LiveFit {
         }
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     fn rescan(&mut self) {
         let due = (self.scanned_at as f64 * RESCAN_GROWTH).max(FIRST_SCAN_S * self.rate_hz);
         if !self.is_rotary || (self.sliding as f64) < due {

@@ -59,7 +59,6 @@ pub(super) struct Pipeline {
 }
 
 impl Pipeline {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths of a few hundred samples")]
     pub(super) fn new(rate_hz: f64, band_hz: f64, calibration: Option<&Calibration>) -> Self {
         let cutoff_hz = (ANGLE_BAND * band_hz).min(0.4 * rate_hz);
         let half_length = (1.65 * rate_hz / cutoff_hz).round() as usize;
@@ -102,7 +101,6 @@ impl Pipeline {
     }
 
     /// A speed that a tenth of the motion stays below, roughly, rad/s.
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     pub(super) fn slow_rad_s(&self) -> f64 {
         0.15 * (self.square_speed / self.speeds.max(1) as f64).sqrt()
     }
@@ -151,7 +149,6 @@ impl Pipeline {
         self.twisted.set(index, self.angle.get(index) - torque * self.compliance_rad_mnm);
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     fn differentiate(&mut self, now: usize) {
         let Self { smooth, rate_hz, .. } = self;
         let velocity = (smooth.get(now + 1) - smooth.get(now - 1)) * 0.5 * *rate_hz;

@@ -44,7 +44,6 @@ pub(super) struct RowFilter {
 }
 
 impl RowFilter {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths of a few hundred samples")]
     pub(super) fn new(rate_hz: f64, band_hz: f64, width: usize) -> Self {
         let half_length = (1.65 * rate_hz / band_hz).round() as usize;
         let length = 2 * half_length + 1;

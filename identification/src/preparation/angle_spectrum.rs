@@ -56,7 +56,6 @@ impl AngleSpectrum {
 ///
 /// The steps of a coarse encoder are not white where the knob turns slowly, so the noise is read just above each bin as long
 /// as that continues the noise further up; where the density rises steeply towards lower frequencies, the motion begins.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "bins are few")]
 fn noise_densities(density: &[f64]) -> Vec<(usize, f64)> {
     let above = |index: usize| median(&mut density[index..(2 * index).min(density.len())].to_vec());
     let top = (density.len() / 2).max(1);

@@ -72,7 +72,6 @@ pub(crate) fn paper(uniform: &Uniform) -> Prepared<'static> {
 
 /// The preparation that is common in robot identification: angle, two central differences, friction's sign from the velocity; then torque
 /// and all columns decimated.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers of samples")]
 pub(crate) fn central_differences(uniform: &Uniform) -> Prepared<'static> {
     let rate_hz = uniform.rate_hz;
     let edge_hz = BUTTERWORTH.1.min(HIGHEST * rate_hz);
@@ -104,7 +103,6 @@ fn differences(signal: &[f64], rate_hz: f64) -> Vec<f64> {
 }
 
 /// The impulse response of the low-pass run both ways, as a filter of finite length.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a length in samples")]
 fn before_decimation(edge_hz: f64, rate_hz: f64) -> Fir {
     let Some(sections) = chebyshev1_low_pass(CHEBYSHEV.0, CHEBYSHEV.1, edge_hz, rate_hz) else {
         return Fir::identity();

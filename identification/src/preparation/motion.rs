@@ -97,7 +97,6 @@ impl Band {
 
     /// As wide as the torque's excess over its noise reaches, no wider: beyond, there is only noise, and that
     /// of a twice differentiated angle grows fast. An exact motion has none and takes the widest band.
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     pub(crate) fn of(uniform: &Uniform, exact: bool, calibration: Option<&Calibration>) -> Self {
         let rate_hz = uniform.rate_hz;
         let floor = uniform.torque_density;
@@ -375,18 +374,11 @@ pub(crate) fn low_pass(order: usize, edge_hz: f64, rate_hz: f64, signal: &[f64])
 }
 
 /// The common low-pass of angle and torque before anything is masked.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few hundred samples")]
 fn smoother(cutoff_hz: f64, rate_hz: f64) -> Fir {
     Fir::kaiser_low_pass((SMOOTH_PERIODS * rate_hz / cutoff_hz).ceil() as usize, cutoff_hz, rate_hz, SMOOTH_BETA)
 }
 
 /// Samples on each side that still matter to a smoothed and twice differentiated sample.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a few hundred samples"
-)]
 fn effective_reach(smoother: &Fir) -> usize {
     (EFFECTIVE * (smoother.half_length() + DIFFERENCE_REACH) as f64) as usize
 }

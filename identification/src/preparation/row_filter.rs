@@ -40,7 +40,6 @@ pub(crate) struct RowFilter {
 }
 
 impl RowFilter {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths of a few samples")]
     pub(crate) fn new(uniform: &Uniform, motion: &KnobMotion, band: &Band) -> Self {
         let rate_hz = uniform.rate_hz;
         let (threshold_rad_s, guard_s) = if motion.exact {
@@ -131,7 +130,6 @@ impl RowFilter {
     }
 
     /// What the rows amount to in fully weighted ones.
-    #[allow(clippy::cast_precision_loss, reason = "a decimation")]
     pub(crate) fn weight(&self) -> f64 {
         vector::dot(&self.mask, &self.mask) / self.step as f64
     }
@@ -142,7 +140,6 @@ impl RowFilter {
     }
 }
 
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
 fn samples(duration_s: f64, rate_hz: f64) -> usize {
     (duration_s * rate_hz).round() as usize
 }
@@ -174,7 +171,6 @@ fn blank_runs<T>(mask: &mut [f64], samples: &[T], left_out: impl Fn(&T) -> bool,
 }
 
 /// Lets the mask rise as a squared sine over `length` samples from where it was zero.
-#[allow(clippy::cast_precision_loss, reason = "a few samples")]
 fn fade(mask: &mut [f64], length: usize) {
     let rise = |since: usize| (0.5 * PI * (since as f64 / (length + 1) as f64)).sin().powi(2);
     let sweep = |mask: &mut dyn Iterator<Item = &mut f64>| {

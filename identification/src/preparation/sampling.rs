@@ -49,7 +49,6 @@ impl Readings {
             Between::Held => "repeats each reading",
             Between::Interpolated => "is a straight line from reading to reading",
         };
-        #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
         let distance = samples.t_s.len() as f64 / places.len() as f64;
         Some(Self {
             rows: Rows::of(samples, &places),
@@ -76,7 +75,6 @@ fn readings(signal: &[f64], step: f64) -> Option<(Between, Vec<usize>)> {
 }
 
 /// The places where `differences` are not nothing, if those lie regularly apart.
-#[allow(clippy::cast_precision_loss, reason = "numbers of samples")]
 fn regular(differences: &[f64]) -> Option<Vec<usize>> {
     let mut sizes: Vec<f64> = differences.iter().map(|difference| difference.abs()).collect();
     let nothing = ROUNDING * quantile(&mut sizes, 0.99);
@@ -106,7 +104,6 @@ mod tests {
 
     /// A motion of two tones at so many samples a second.
     fn motion(samples: usize, rate_hz: f64) -> Vec<f64> {
-        #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
         let at = |index: usize| index as f64 / rate_hz;
         (0..samples).map(|index| (5.0 * at(index)).sin() + 0.2 * (17.0 * at(index)).cos()).collect()
     }

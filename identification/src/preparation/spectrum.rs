@@ -23,7 +23,6 @@ impl Spectrum {
     }
 
     /// The same with windows of up to `longest` samples, a power of two.
-    #[allow(clippy::cast_precision_loss, reason = "window lengths are small")]
     pub(crate) fn with_windows(longest: usize, signal: &[f64], rate_hz: f64) -> Self {
         let mut length = longest;
         while length > 64 && 4 * length > signal.len() {
@@ -68,7 +67,6 @@ impl Spectrum {
     }
 
     /// The frequencies of the densities, Hz.
-    #[allow(clippy::cast_precision_loss, reason = "bins are few")]
     pub(crate) fn frequencies(&self) -> impl Iterator<Item = f64> + '_ {
         (0..self.density.len()).map(|index| index as f64 * self.step_hz)
     }
@@ -103,7 +101,6 @@ pub(crate) fn white_density(signal: &[f64], rate_hz: f64) -> f64 {
 }
 
 /// Mean and slope per sample of the straight line through a signal at `places` 0, 1, ….
-#[allow(clippy::cast_precision_loss, reason = "window lengths are small")]
 pub(crate) fn line(signal: &[f64], places: &[f64]) -> (f64, f64) {
     let count = signal.len() as f64;
     let middle = 0.5 * (count - 1.0);

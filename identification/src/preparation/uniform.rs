@@ -59,12 +59,6 @@ impl Uniform {
         uniform
     }
 
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a number of samples"
-    )]
     fn on_grid(samples: &Samples<'_>) -> Self {
         let time = samples.t_s;
         let count = time.len();
@@ -135,7 +129,6 @@ impl Uniform {
 
     /// Marks samples where a channel stood at its rail or the encoder stood still as not measured, and does without an
     /// accelerometer that is at its rail: the encoder tells the same.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a delay of a few samples")]
     fn leave_out_faults(&mut self, samples: &Samples<'_>, calibration: Option<&Calibration>) {
         let torque = Saturation::of(samples.torque_mnm);
         let frozen = frozen(samples.angle_rad, samples.torque_mnm);
@@ -212,7 +205,6 @@ impl Uniform {
 
 /// The time from most samples to the next, s, and whether it is the same from each: without gaps and jitter, and so without
 /// anything to sort.
-#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
 pub(crate) fn typical_step(time: &[f64]) -> (f64, bool) {
     let mean = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
     let mut farthest = 0.0_f64;
@@ -234,7 +226,6 @@ fn exact(step_s: f64) -> f64 {
 }
 
 /// The whole part of a number of samples, one that is whole but for rounding being itself.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
 pub(crate) fn whole(samples: f64) -> usize {
     (samples * (1.0 + 1e-9)) as usize
 }
@@ -269,13 +260,6 @@ pub(crate) fn cubic_weights(part: f64) -> [f64; 4] {
 }
 
 /// The signal `shift` samples later, interpolated by cubic polynomials; the ends are held.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap,
-    clippy::cast_sign_loss,
-    reason = "an index between 0 and the length"
-)]
 pub(crate) fn advance(signal: &[f64], shift: f64) -> Vec<f64> {
     if shift == 0.0 || signal.is_empty() {
         return signal.to_vec();

@@ -97,7 +97,6 @@ impl BlockSums {
     }
 
     /// All columns' coefficients with covariances.
-    #[allow(clippy::cast_precision_loss, reason = "numbers of rows and stretches")]
     pub(super) fn estimate(&self) -> Option<Estimate> {
         let solution = self.solve()?;
         let (blocks, rows) = (BLOCKS as f64, self.target.len() as f64);

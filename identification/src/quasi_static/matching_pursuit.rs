@@ -49,12 +49,6 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a number of lines below the number of places"
-    )]
     pub(super) fn of(angle_rad: &[f64]) -> Self {
         let travel = span(angle_rad);
         let whole_turn = travel >= WHOLE_TURN * TAU;
@@ -69,18 +63,11 @@ impl Grid {
     }
 
     /// The same without what is finer than `wavenumber`, 1/rad.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a line below the number of places")]
     pub(super) fn up_to(self, wavenumber: f64) -> Self {
         Self { highest: self.highest.min((wavenumber / self.unit) as usize).max(self.lowest), ..self }
     }
 
     /// The wavenumber (1/rad) whose sinusoid explains most of the residual, what it explains, and the mean of all lines.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a place between 0 and their number"
-    )]
     fn strongest(&self, angle_rad: &[f64], residual: &[f64], taken: &[f64]) -> Option<Peak> {
         let transform = fourier::forward(PLACES);
         let (mut sums, mut lines) = (transform.make_input_vec(), transform.make_output_vec());

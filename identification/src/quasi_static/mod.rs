@@ -280,7 +280,6 @@ fn interval(value: f64, half: f64) -> [f64; 2] {
 }
 
 /// Which multiple of the strongest a wavenumber is, if it is one.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small whole number")]
 fn overtone(wavenumber: f64, strongest: f64) -> Option<u32> {
     let ratio = wavenumber / strongest;
     ((ratio - ratio.round()).abs() < 1e-9 && ratio >= 1.0).then(|| ratio.round() as u32)
@@ -289,7 +288,6 @@ fn overtone(wavenumber: f64, strongest: f64) -> Option<u32> {
 fn preparation(samples: &Samples<'_>, rows: usize) -> Preparation {
     let mut steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let rate_hz = 1.0 / median(&mut steps);
-    #[allow(clippy::cast_precision_loss, reason = "numbers of samples")]
     let used = rows as f64 / samples.t_s.len() as f64;
     Preparation {
         method: "quasi-static",

@@ -18,12 +18,6 @@ const VISITED: f64 = 0.8;
 /// and between a turning point and where the knob has surely turned, while friction changes over.
 ///
 /// `None` if the knob did not wander slowly through its travel.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a place between 0 and their number"
-)]
 pub(super) fn directions(angle_rad: &[f64], duration_s: f64, resolution_rad: f64) -> Option<Vec<i8>> {
     let travel = span(angle_rad);
     let reversal = REVERSAL * resolution_rad.max(scatter(angle_rad));

@@ -119,12 +119,6 @@ pub(crate) struct Places {
 impl Places {
     /// For samples of a torque over an angle: half of the points are spread evenly, half by the root of the second derivative (C. de Boor,
     /// A Practical Guide to Splines, 1978, chapter XII). `None` where the angle does not change.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a number of cells, and a place among them"
-    )]
     pub(crate) fn of(samples: &(impl Iterator<Item = (f64, f64)> + Clone)) -> Option<Self> {
         let angles = || samples.clone().map(|(angle_rad, _)| angle_rad);
         let (lowest_rad, highest_rad) =
@@ -158,7 +152,6 @@ impl Places {
     }
 
     /// So many points, rising.
-    #[allow(clippy::cast_precision_loss, reason = "a number of cells")]
     fn points(&self, count: u16) -> Vec<f64> {
         let place = |point: u16| {
             let share = f64::from(point) / f64::from(count - 1);
@@ -253,7 +246,6 @@ pub(crate) fn measure(
             nonnegative.iter().copied().chain(std::iter::repeat(false)).take(columns.len()).collect();
         let solution = LeastSquares::corrected(&columns, target, &bounds, &corrections);
         let left = dot(&solution.residual, &solution.residual);
-        #[allow(clippy::cast_precision_loss, reason = "numbers of rows and columns")]
         let criterion = {
             let (rows, fitted) = (target.len() as f64, solution.fitted() as f64);
             rows * (left / rows).max(f64::MIN_POSITIVE).ln() + fitted * rows.ln()

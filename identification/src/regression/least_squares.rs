@@ -51,7 +51,6 @@ pub(crate) struct RobustCovariance {
 
 impl RobustCovariance {
     /// Allows for so many more columns that took their part of the residual and are not among those looked at.
-    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     pub(crate) fn enlarge(&mut self, columns: usize) {
         self.matrix *= self.rows as f64 / self.rows.saturating_sub(columns).max(1) as f64;
     }
@@ -182,7 +181,6 @@ impl LeastSquares {
     }
 
     /// Rows beyond the number of columns that were fitted.
-    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     fn freedom(&self) -> f64 {
         self.residual.len().saturating_sub(self.fitted()).max(1) as f64
     }
@@ -225,14 +223,12 @@ impl LeastSquares {
 
     /// The same of many columns, enlarged by the rows over those that the fit left: what [`Self::robust`] looks at in the columns
     /// instead grows with the fourth power of their number.
-    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     pub(crate) fn robust_of_many<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> DMatrix<f64> {
         let (middle, _) = long_run::covariance(&self.scores(columns));
         &self.inverse * middle * &self.inverse * (self.residual.len() as f64 / self.freedom())
     }
 
     /// Standard deviation of one coefficient, estimated likewise from the one series that it depends on.
-    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     pub(crate) fn robust_deviation<C: Deref<Target = [f64]>>(&self, columns: &[C], coefficient: usize) -> f64 {
         let rows = self.residual.len();
         let shares: Vec<f64> = (0..columns.len()).map(|column| -self.inverse[(coefficient, column)]).collect();

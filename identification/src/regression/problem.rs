@@ -219,7 +219,6 @@ impl<'a> Problem<'a> {
         if searched.is_empty() {
             return (solution, Ended::Settled);
         }
-        #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
         let rows = self.target.len() as f64;
         let ended = refiner::refine(rounds, 0.0, dot(&solution.residual, &solution.residual), |before| {
             let (full, gain) = self.gauss_newton(&searched, &solution).ok_or(Ended::NoStepImproves)?;

@@ -18,12 +18,6 @@ const SHARE: f64 = 0.02;
 pub(crate) const PARZEN_SQUARES: f64 = 151.0 / 280.0;
 
 /// The long-run covariance of scores, and the bandwidth of its kernel in rows.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a number of rows"
-)]
 pub(crate) fn covariance(scores: &[Vec<f64>]) -> (DMatrix<f64>, f64) {
     let rows = scores.first().map_or(0, Vec::len);
     let half = (0.5 * parzen_bandwidth(scores, rows)).round().max(1.0) as usize;
@@ -35,7 +29,6 @@ pub(crate) fn covariance(scores: &[Vec<f64>]) -> (DMatrix<f64>, f64) {
 }
 
 /// One over the triangle's sum of squares: what the kernel would else be at lag zero.
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 pub(crate) fn kernel_scale(width: usize) -> f64 {
     let width = width as f64;
     3.0 / (width * (2.0 * width * width + 1.0))
@@ -80,7 +73,6 @@ fn triangles_together(values: &[[f64; TOGETHER]], width: usize) -> [Vec<f64>; TO
     smooth
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 fn parzen_bandwidth(scores: &[Vec<f64>], rows: usize) -> f64 {
     let (mut above, mut below) = (0.0, 0.0);
     for score in scores {

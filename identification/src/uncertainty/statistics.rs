@@ -42,7 +42,6 @@ pub(crate) fn student_above(score: f64, degrees_of_freedom: f64) -> f64 {
 
 /// The share of false discoveries among `p_values` up to and including one of them (Y. Benjamini, Y. Hochberg, J. R. Stat.
 /// Soc. B 57, 1995, 289–300).
-#[allow(clippy::cast_precision_loss, reason = "a number of tests")]
 pub(crate) fn false_discovery_rate(p_value: f64, p_values: &[f64]) -> f64 {
     let rate = |p_value: f64| {
         let rank = p_values.iter().filter(|other| **other <= p_value).count().max(1);
@@ -60,7 +59,6 @@ pub(crate) fn false_discovery_rate(p_value: f64, p_values: &[f64]) -> f64 {
 /// assert_eq!(plus_minus(1234.6, 67.8), "1235 ± 68");
 /// ```
 #[must_use]
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of decimals from 0 to 12")]
 pub fn plus_minus(value: f64, half_width: f64) -> String {
     let decimals = (1.0 - half_width.abs().log10().floor()).clamp(0.0, 12.0) as usize;
     format!("{value:.decimals$} ± {half_width:.decimals$}")
@@ -82,7 +80,6 @@ pub(crate) fn mean<V: Borrow<f64>>(values: impl IntoIterator<Item = V>) -> f64 {
 }
 
 /// Mean, and its standard error as the values' scatter gives it.
-#[allow(clippy::cast_precision_loss, reason = "a number of values")]
 pub(crate) fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     let mean = mean(values);
@@ -108,12 +105,6 @@ pub fn median(values: &mut [f64]) -> f64 {
 }
 
 /// Value below which the given share of the values lies; reorders them; 0 for none.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "an index between 0 and the length"
-)]
 pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
@@ -139,13 +130,11 @@ pub(crate) fn runs<T>(values: &[T], alike: impl FnMut(&T, &T) -> bool) -> impl I
 /// Root of the mean square; 0 for no values.
 #[must_use]
 pub fn rms(values: &[f64]) -> f64 {
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     let count = values.len().max(1) as f64;
     (dot(values, values) / count).sqrt()
 }
 
 /// Correlation of the ranks of pairs (Spearman's); zero for fewer than three.
-#[allow(clippy::cast_precision_loss, reason = "numbers of pairs")]
 pub(crate) fn rank_correlation(pairs: &[[f64; 2]]) -> f64 {
     let ranks = |of: usize| {
         let mut order: Vec<usize> = (0..pairs.len()).collect();

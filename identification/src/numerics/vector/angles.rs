@@ -57,7 +57,6 @@ impl Shares {
         let slots = first.iter_mut().zip(a.iter_mut()).zip(b.iter_mut()).zip(c.iter_mut()).zip(d.iter_mut());
         for (((((first, a), b), c), d), (value, angle)) in slots.zip(values.iter().zip(angles)) {
             let place = ((angle - offset_rad) * per_bin).max(0.0);
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index of a bin")]
             let index = place as u32;
             let share = place - f64::from(index);
             let rest = 1.0 - share;

@@ -86,7 +86,6 @@ fn digital_low_pass(
     Some(Sections::from_zeros_poles(&zeros, &mapped(&poles), gain))
 }
 
-#[allow(clippy::cast_precision_loss, reason = "filter orders are small")]
 fn as_f64(number: usize) -> f64 {
     number as f64
 }

@@ -44,7 +44,6 @@ impl Fir {
     }
 
     /// `window` is a function of the place between −1 and 1.
-    #[allow(clippy::cast_precision_loss, reason = "taps are few")]
     fn windowed_sinc(half_length: usize, edge_hz: f64, rate_hz: f64, window: impl Fn(f64) -> f64) -> Self {
         let width = 2.0 * edge_hz / rate_hz;
         let taps: Vec<f64> = (0..=2 * half_length)
