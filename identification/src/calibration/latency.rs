@@ -14,7 +14,7 @@
 use dynamics::Calibration;
 
 use super::estimate::{CalibrateError, Calibrated, Estimate, check_command};
-use super::regression::{Band, Solved};
+use super::regression::{Band, Solved, UNEXPLAINED};
 use crate::Samples;
 use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::motion::gradient;
@@ -26,8 +26,6 @@ use crate::uncertainty::statistics::rms;
 const EDGE_PER_SWEEP: f64 = 1.5;
 /// … but at least so far, Hz.
 const LOWEST_EDGE_HZ: f64 = 25.0;
-/// Share of a channel that may be something else.
-const UNEXPLAINED: f64 = 0.5;
 /// Longest delay that is believed, s.
 const LONGEST_DELAY_S: f64 = 0.1;
 /// Rounds of taking gravity or friction at the delayed motion.
@@ -132,12 +130,8 @@ fn friction_columns(band: &Band, velocity: Vec<f64>) -> [Vec<f64>; 2] {
 
 /// Why a channel tells no delay, if it does not.
 fn unexplained(channel: &'static str, solved: &Solved) -> Option<CalibrateError> {
-    (solved.unexplained > UNEXPLAINED).then_some(CalibrateError::Unexplained {
-        channel,
-        percent: 100.0 * solved.unexplained,
-        expected: "the motion of an inertia makes of it",
-        remedy: "take the knob off, calibrate gravity first, and sweep faster",
-    })
+    let remedy = "take the knob off, calibrate gravity first, and sweep faster";
+    solved.unexplained(channel, "the motion of an inertia makes of it", remedy)
 }
 
 /// A relation of which a part is taken at the delayed motion, which the relation itself tells.

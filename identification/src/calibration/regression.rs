@@ -1,7 +1,6 @@
 //! A linear relation between signals of a capture, solved in a band, with intervals that hold.
 
-use nalgebra::DMatrix;
-
+use super::estimate::CalibrateError;
 use crate::preparation::motion::{ROWS_PER_EDGE, low_pass};
 use crate::preparation::uniform::whole;
 use crate::regression::least_squares::{LeastSquares, RobustCovariance};
@@ -12,6 +11,8 @@ use crate::uncertainty::statistics::{MEDIAN_MAGNITUDE, deviation_of_sum, median,
 const OUTLIER: f64 = 5.0;
 /// Rounds after which the outliers are what they are.
 const ROUNDS: usize = 5;
+/// Share of a channel that may be something else.
+pub(super) const UNEXPLAINED: f64 = 0.5;
 /// Time at each end that the filter needs to settle, in periods of the band's edge.
 const SETTLING: f64 = 2.0;
 
@@ -23,11 +24,9 @@ pub(super) struct Band {
 }
 
 /// A solved relation target = Σ coefficient · column.
-#[derive(Clone, Debug)]
 pub(super) struct Solved {
     pub(super) coefficients: Vec<f64>,
-    covariance: DMatrix<f64>,
-    critical: f64,
+    covariance: RobustCovariance,
     /// RMS of what the relation leaves over RMS of the target.
     pub(super) unexplained: f64,
 }
@@ -35,7 +34,18 @@ pub(super) struct Solved {
 impl Solved {
     /// Half width of the 95 % interval of a quantity with the given derivatives by the coefficients.
     pub(super) fn half_width(&self, derivatives: &[f64]) -> f64 {
-        self.critical * deviation_of_sum(&self.covariance, derivatives)
+        student_95(self.covariance.degrees_of_freedom) * deviation_of_sum(&self.covariance.matrix, derivatives)
+    }
+
+    /// Why a channel tells nothing, if most of it is not what is `expected`.
+    pub(super) fn unexplained(
+        &self,
+        channel: &'static str,
+        expected: &'static str,
+        remedy: &'static str,
+    ) -> Option<CalibrateError> {
+        let percent = 100.0 * self.unexplained;
+        (self.unexplained > UNEXPLAINED).then_some(CalibrateError::Unexplained { channel, percent, expected, remedy })
     }
 }
 
@@ -71,13 +81,10 @@ impl Band {
             }
             solution = LeastSquares::solve(&columns, &target);
         }
-        let RobustCovariance { matrix: covariance, degrees_of_freedom, .. } = solution.robust(&columns);
-        let unexplained = rms(&solution.residual) / rms(&target).max(f64::MIN_POSITIVE);
         Solved {
+            covariance: solution.robust(&columns),
+            unexplained: rms(&solution.residual) / rms(&target).max(f64::MIN_POSITIVE),
             coefficients: solution.coefficients,
-            covariance,
-            critical: student_95(degrees_of_freedom),
-            unexplained,
         }
     }
 }

@@ -47,16 +47,24 @@ impl<'a> Prepared<'a> {
         Ok(self)
     }
 
+    /// All but the detents.
+    fn base(&self, options: &FitOptions) -> Problem<'_> {
+        let base = [Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];
+        let further = options.further_effects.iter().copied();
+        let further = further.filter(|effect| !matches!(effect.kind().part, Part::Stick(_)));
+        let effects: Vec<Effect> = base.into_iter().chain(further).collect();
+        Problem::new(&self.row_filter, &self.motion, &self.band, &self.torque_mnm, &effects)
+    }
+
     pub(super) fn solve(&self, samples: &Samples<'_>, options: &FitOptions) -> Solved<'_> {
-        let Self { band, motion, torque_mnm, row_filter } = self;
-        let mut base = Problem::new(row_filter, motion, band, torque_mnm, &base_effects(&options.further_effects));
+        let mut base = self.base(options);
         let solution = base.refine(20, |_, value| 0.1 * value.abs());
         let known_step = options.calibration.as_ref().map(|known| known.angle_step_rad).filter(|step| *step > 0.0);
         let step = known_step.unwrap_or_else(|| vector::smallest_step(samples.angle_rad));
         let found = if options.without_detents {
             Err("detents were not asked for".to_owned())
         } else {
-            detents::search(&base, &solution, band, step)
+            detents::search(&base, &solution, &self.band, step)
         };
         found.unwrap_or_else(|reason| Solved {
             problem: base,
@@ -70,8 +78,8 @@ impl<'a> Prepared<'a> {
 
     /// The torque over the angle, measured beside all that the fit has anyway.
     pub(super) fn measure(&self, options: &FitOptions) -> Option<Measured> {
-        let Self { band, motion, torque_mnm, row_filter } = self;
-        let base = Problem::new(row_filter, motion, band, torque_mnm, &base_effects(&options.further_effects));
+        let Self { motion, torque_mnm, row_filter, .. } = self;
+        let base = self.base(options);
         // One Coulomb friction for both directions: half of what differs between them is a torque that does not change with them.
         let ([negative, positive], both) = base.both_ways()?;
         let mut columns = base.columns.clone();
@@ -173,13 +181,6 @@ impl<'a> Prepared<'a> {
             torque_noise_mnm: band.torque_noise_mnm,
         }
     }
-}
-
-fn base_effects(further: &[Effect]) -> Vec<Effect> {
-    let base = [Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];
-    base.into_iter()
-        .chain(further.iter().copied().filter(|effect| !matches!(effect.kind().part, Part::Stick(_))))
-        .collect()
 }
 
 /// A note on an encoder whose steps are others than the rig's calibration has, or are coarse and unknown to it: a servo that does

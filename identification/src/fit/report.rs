@@ -284,13 +284,12 @@ impl Report<'_> {
                     "the knob accelerated too little: {seen:.3} rad/s² RMS, of which {noise:.3} are sensor noise; sweep faster"
                 ));
             }
-        }
-        if name == effects::inertia::KIND.parameters[0].name && half >= solution.coefficients[column].abs() {
-            return Some(format!(
-                "the knob accelerated too little ({:.3e} rad/s² RMS): the 95 % interval of the inertia includes zero; \
-                 sweep faster",
-                rms(&columns[column])
-            ));
+            if half >= solution.coefficients[column].abs() {
+                return Some(format!(
+                    "the knob accelerated too little ({seen:.3e} rad/s² RMS): the 95 % interval of the inertia includes zero; \
+                     sweep faster"
+                ));
+            }
         }
         let used: Vec<f64> = columns[column].iter().copied().filter(|value| value.abs() > 0.0).collect();
         let torque = rms(&problem.target);

@@ -16,7 +16,7 @@ use crate::preparation::motion::KnobMotion;
 use crate::preparation::uniform::Uniform;
 use crate::regression::least_squares::LeastSquares;
 use crate::uncertainty::statistics::{NORMAL_95, mean, mean_and_error, student_95};
-use slide::{Border, Side, Slide, to_f64};
+use slide::{Border, Side, Slide};
 
 /// Shortest rest that counts, s.
 const REST_S: f64 = 0.004;
@@ -155,7 +155,7 @@ fn breakaway(
     length: usize,
     calm: f64,
 ) -> Option<f64> {
-    let long_enough = away.instant - to_f64(rest.start) > to_f64(length) + calm;
+    let long_enough = away.instant - rest.start as f64 > length as f64 + calm;
     if !long_enough {
         return None;
     }
@@ -203,7 +203,7 @@ fn ramp_end(received_mnm: &[f64], delay: f64, instant: f64, length: usize) -> Op
     let last = instant.floor().max(0.0) as usize;
     let first = (last + 1).checked_sub(length)?;
     let torque = received_mnm.get(first..=last)?;
-    let before: Vec<f64> = (first..=last).map(|index| (to_f64(index) - delay - instant) / to_f64(length)).collect();
+    let before: Vec<f64> = (first..=last).map(|index| (index as f64 - delay - instant) / length as f64).collect();
     let columns = [vec![1.0; length], before.clone(), before.iter().map(|time| time * time).collect()];
     let parabola = LeastSquares::solve(&columns, torque);
     Some(parabola.coefficients[0])
@@ -234,7 +234,7 @@ impl Readings {
             return Parameter::not_identifiable(kind, why());
         }
         let (value, standard_error) = mean_and_error(&self.values);
-        let scatter = student_95(to_f64(self.values.len() - 1)) * standard_error;
+        let scatter = student_95((self.values.len() - 1) as f64) * standard_error;
         let difference = mean(&self.others) - value;
         let half = scatter.hypot(NORMAL_95 * difference / 3.0_f64.sqrt());
         let lowest = if kind.minimum == Minimum::None { f64::NEG_INFINITY } else { 0.0 };

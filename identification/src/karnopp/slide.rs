@@ -84,10 +84,10 @@ impl Slide<'_> {
         let trial = |instant: f64| self.trial(instant, first..last + 1, side, direction);
         // An angle that is still within the noise may have left some time ago.
         let best = (first + window / 4..=last - window / 4)
-            .map(|index| (index, trial(to_f64(index)).squares))
+            .map(|index| (index, trial(index as f64).squares))
             .min_by(|a, b| a.1.total_cmp(&b.1))?
             .0;
-        let (mut low, mut high) = (to_f64(best) - 1.0, to_f64(best) + 1.0);
+        let (mut low, mut high) = (best as f64 - 1.0, best as f64 + 1.0);
         for _ in 0..ROUNDS {
             let (left, right) = (low + GOLDEN * (high - low), high - GOLDEN * (high - low));
             if trial(left).squares <= trial(right).squares {
@@ -97,7 +97,7 @@ impl Slide<'_> {
             }
         }
         let Trial { squares, border } = trial(0.5 * (low + high));
-        let rms_rad = (squares / to_f64(last + 1 - first)).sqrt();
+        let rms_rad = (squares / (last + 1 - first) as f64).sqrt();
         let limit_rad = FITS * self.noise_rad + LACKING * moved_rad.abs();
         let near = (0.5 * (low + high)).round().max(0.0);
         let at = Motion { angle_rad: border.rest_rad, ..Motion::default() };
@@ -116,7 +116,7 @@ impl Slide<'_> {
         if side == Side::After {
             return Trial { squares: total, border };
         }
-        let since: Vec<f64> = window.map(|index| (to_f64(index) - instant).min(0.0) / self.rate_hz).collect();
+        let since: Vec<f64> = window.map(|index| (index as f64 - instant).min(0.0) / self.rate_hz).collect();
         let since_mean = statistics::mean(&since);
         let square: f64 = since.iter().map(|value| (value - since_mean).powi(2)).sum();
         let product: f64 = since.iter().zip(&left).map(|(time, value)| (time - since_mean) * (value - mean)).sum();
@@ -136,17 +136,17 @@ impl Slide<'_> {
             indices.reverse();
         }
         let beyond =
-            |index: &usize| if side == Side::After { to_f64(*index) > instant } else { to_f64(*index) < instant };
+            |index: &usize| if side == Side::After { *index as f64 > instant } else { (*index as f64) < instant };
         let whole = indices.iter().copied().find(beyond);
         let Some(first) = whole else { return displacement };
         let neighbour = if side == Side::After { first.saturating_sub(1) } else { first + 1 };
-        let share = (instant - to_f64(first)).abs();
+        let share = (instant - first as f64).abs();
         let mut at = Motion { angle_rad: self.angle_rad[neighbour], ..Motion::default() };
         let rest_rad = at.angle_rad;
         let mut time = instant;
         let mut torque = self.torque_mnm[first] + share * (self.torque_mnm[neighbour] - self.torque_mnm[first]);
         for index in indices.into_iter().filter(beyond) {
-            let step_s = (to_f64(index) - time) / self.rate_hz;
+            let step_s = (index as f64 - time) / self.rate_hz;
             let next = self.torque_mnm[index];
             let before = self.acceleration_rad_s2(torque, &at, direction);
             let ahead = Motion {
@@ -159,7 +159,7 @@ impl Slide<'_> {
             at.angle_rad += step_s * (at.velocity_rad_s + step_s * (2.0 * before + after) / 6.0);
             at.velocity_rad_s += 0.5 * step_s * (before + after);
             displacement[index - window.start] = at.angle_rad - rest_rad;
-            (time, torque) = (to_f64(index), next);
+            (time, torque) = (index as f64, next);
         }
         displacement
     }
@@ -180,8 +180,4 @@ impl Slide<'_> {
         let at = Motion { angle_rad, ..Motion::default() };
         self.effects.iter().map(|effect| effect.free_torque_mnm(&at)).sum()
     }
-}
-
-pub(super) fn to_f64(index: usize) -> f64 {
-    index as f64
 }

@@ -236,7 +236,7 @@ fn parameter(
 
 /// Base, sine and cosine, and the wavenumber's tangent θ·(a·cos − b·sin), whose coefficient corrects the assumed wavenumber.
 fn joint_solution(columns: usize, joint: &Joint) -> Option<Solution> {
-    let plain = joint.blocks.solve(columns + 2)?;
+    let plain = joint.rows.blocks.solve(columns + 2)?;
     let (sine, cosine) = (plain.coefficients[columns], plain.coefficients[columns + 1]);
     let width = columns + 5;
     let mut map = DMatrix::zeros(columns + 4, width);
@@ -245,7 +245,7 @@ fn joint_solution(columns: usize, joint: &Joint) -> Option<Solution> {
     map[(columns + 3, columns + 2)] = -cosine;
     map[(columns + 3, columns + 3)] = sine;
     map[(0, columns + 4)] = 1.0;
-    joint.blocks.solve_mapped(&map)
+    joint.rows.blocks.solve_mapped(&map)
 }
 
 fn detent_parameters(columns: usize, joint: &Joint, solution: &Solution) -> [LiveParameter; 3] {

@@ -42,6 +42,8 @@ pub use estimate::{LiveEstimate, LiveParameter, Verdict};
 use pipeline::{Pipeline, Sliding};
 use ring::RowFilter;
 
+use crate::preparation::uniform::cubic_weights;
+
 /// Edge of the band in which torque and motion are compared, Hz …
 const BAND_HZ: f64 = 150.0;
 /// … and at most this share of the sample rate.
@@ -81,8 +83,7 @@ pub struct LiveSample {
 #[derive(Debug)]
 pub struct LiveFit {
     pipeline: Pipeline,
-    base_filter: RowFilter,
-    base: Blocks,
+    base: Rows,
     base_effects: Vec<Effect>,
     bins: AngleBins,
     joint: Option<Joint>,
@@ -109,8 +110,31 @@ pub struct LiveFit {
 struct Joint {
     wavenumber: f64,
     centre_rad: f64,
+    rows: Rows,
+}
+
+/// Filtered rows, gathered in blocks.
+#[derive(Debug)]
+struct Rows {
     filter: RowFilter,
     blocks: Blocks,
+}
+
+impl Rows {
+    fn new(rate_hz: f64, width: usize) -> Self {
+        Self { filter: RowFilter::new(rate_hz, band_hz(rate_hz), width), blocks: Blocks::new(width) }
+    }
+
+    fn push(&mut self, sample: &[f64], unmasked: bool) {
+        if let Some(row) = self.filter.push(sample, unmasked) {
+            self.blocks.add(row);
+        }
+    }
+}
+
+/// Edge of the band in which torque and motion of a stream are compared, Hz.
+fn band_hz(rate_hz: f64) -> f64 {
+    BAND_HZ.min(BAND_SHARE * rate_hz)
 }
 
 impl LiveFit {
@@ -118,15 +142,13 @@ impl LiveFit {
     /// calibration knows is taken out.
     #[must_use]
     pub fn new(rate_hz: f64, calibration: Option<&Calibration>) -> Self {
-        let band_hz = BAND_HZ.min(BAND_SHARE * rate_hz);
         let base_effects = vec![Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];
         let is_rotary = calibration.is_none_or(|known| known.axis.is_rotary());
         let columns =
             base_effects.iter().map(|effect| effect.kind().regressors.map_or(0, |r| r.columns)).sum::<usize>();
         Self {
-            pipeline: Pipeline::new(rate_hz, band_hz, calibration),
-            base_filter: RowFilter::new(rate_hz, band_hz, columns + 1),
-            base: Blocks::new(columns + 1),
+            pipeline: Pipeline::new(rate_hz, band_hz(rate_hz), calibration),
+            base: Rows::new(rate_hz, columns + 1),
             base_effects,
             bins: AngleBins::new(columns + 1),
             joint: None,
@@ -141,9 +163,11 @@ impl LiveFit {
             ignored: 0,
             newest_s: f64::NAN,
             recent: Vec::with_capacity(BRIDGE_FOLLOWS),
-            criterion: Criterion::usual(calibration),
+            criterion: Criterion {
+                share: MARGIN * USUAL_SHARE,
+                torque_step_mnm: calibration.map_or(0.0, |known| known.torque_step_mnm),
+            },
         }
-        .converging_to(USUAL_SHARE)
     }
 
     /// The fit that asks for intervals of this share of the values.
@@ -182,10 +206,8 @@ impl LiveFit {
     fn restart(&mut self) {
         self.recent.clear();
         self.pipeline.restart();
-        self.base_filter.restart();
-        if let Some(joint) = &mut self.joint {
-            joint.filter.restart();
-        }
+        let joint = self.joint.iter_mut().map(|joint| &mut joint.rows);
+        std::iter::once(&mut self.base).chain(joint).for_each(|rows| rows.filter.restart());
     }
 
     /// Fills in what is missing before a sample so many periods after the newest: the angle on the cubic through its neighbours, the
@@ -197,7 +219,9 @@ impl LiveFit {
             let share = step / periods;
             let time_s = newest.time_s + share * (sample.time_s - newest.time_s);
             let torque_mnm = newest.torque_mnm + share * (sample.torque_mnm - newest.torque_mnm);
-            self.filter(&LiveSample { time_s, angle_rad: cubic_rad(&known, time_s), torque_mnm });
+            let weights = cubic_weights(known.map(|sample| sample.time_s), time_s);
+            let angle_rad = weights.iter().zip(&known).map(|(weight, sample)| weight * sample.angle_rad).sum();
+            self.filter(&LiveSample { time_s, angle_rad, torque_mnm });
         }
     }
 
@@ -218,7 +242,8 @@ impl LiveFit {
             enough: ENOUGH_S * self.rate_hz,
         };
         let joint = self.joint.as_ref();
-        let mut estimate = estimate(&self.base_effects, &self.base, joint, evidence, self.gripper_inertia, &excitation);
+        let mut estimate =
+            estimate(&self.base_effects, &self.base.blocks, joint, evidence, self.gripper_inertia, &excitation);
         estimate.samples = self.samples;
         estimate.ignored_samples = self.ignored;
         estimate.newest_s = self.newest_s;
@@ -228,7 +253,7 @@ impl LiveFit {
     }
 
     fn take(&mut self, sliding: &Sliding) {
-        let Self { base_effects, base_filter, base, bins, joint, .. } = self;
+        let Self { base_effects, base, bins, joint, .. } = self;
         let mut row = [0.0; blocks::MOST_COLUMNS];
         let mut width = 0;
         if sliding.mask {
@@ -245,12 +270,10 @@ impl LiveFit {
                 self.backward += 1;
             }
         } else {
-            width = base_filter.width() - 1;
+            width = base.filter.width() - 1;
         }
-        if let Some(rows) = base_filter.push(&row[..=width], sliding.mask) {
-            base.add(rows);
-        }
-        if let Some(Joint { wavenumber, centre_rad, filter, blocks }) = joint {
+        base.push(&row[..=width], sliding.mask);
+        if let Some(Joint { wavenumber, centre_rad, rows }) = joint {
             let mut wide = [0.0; blocks::MOST_COLUMNS];
             if sliding.mask {
                 wide[..width].copy_from_slice(&row[..width]);
@@ -258,9 +281,7 @@ impl LiveFit {
                 let (sine, cosine) = (*wavenumber * angle).sin_cos();
                 wide[width..width + 5].copy_from_slice(&[sine, cosine, angle * sine, angle * cosine, row[width]]);
             }
-            if let Some(rows) = filter.push(&wide[..width + 5], sliding.mask) {
-                blocks.add(rows);
-            }
+            rows.push(&wide[..width + 5], sliding.mask);
         }
     }
 
@@ -270,7 +291,7 @@ impl LiveFit {
             return;
         }
         self.scanned_at = self.sliding;
-        let Some(solution) = self.base.solve(self.base.columns()) else { return };
+        let Some(solution) = self.base.blocks.solve(self.base.blocks.columns()) else { return };
         let scan = self.bins.scan(&solution.coefficients, self.pipeline.slow_rad_s(), BAND_HZ);
         self.evidence = scan.as_ref().map(|scan| scan.detents);
         let Some(scan) = scan.filter(|scan| scan.detents) else { return };
@@ -296,22 +317,7 @@ impl LiveFit {
     }
 
     fn start_joint(&mut self, wavenumber: f64, centre_rad: f64) {
-        let width = self.base_filter.width() + 4;
-        let band_hz = BAND_HZ.min(BAND_SHARE * self.rate_hz);
-        self.joint = Some(Joint {
-            wavenumber,
-            centre_rad,
-            filter: RowFilter::new(self.rate_hz, band_hz, width),
-            blocks: Blocks::new(width),
-        });
+        let rows = Rows::new(self.rate_hz, self.base.filter.width() + 4);
+        self.joint = Some(Joint { wavenumber, centre_rad, rows });
     }
-}
-
-/// The angle at a time on the cubic through four samples (Lagrange), rad.
-fn cubic_rad(known: &[LiveSample; 4], time_s: f64) -> f64 {
-    let weight = |one: usize| {
-        let others = (0..known.len()).filter(|other| *other != one);
-        others.map(|other| (time_s - known[other].time_s) / (known[one].time_s - known[other].time_s)).product::<f64>()
-    };
-    (0..known.len()).map(|one| weight(one) * known[one].angle_rad).sum()
 }

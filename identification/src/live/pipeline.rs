@@ -8,7 +8,7 @@ use super::LiveSample;
 use super::ring::Ring;
 use crate::preparation::compliance::compliance_rad_mnm;
 use crate::preparation::filter::Fir;
-use crate::preparation::uniform::cubic_weights;
+use crate::preparation::uniform::{NEIGHBOURS, cubic_weights};
 use crate::uncertainty::statistics::MEDIAN_FOURTH_DIFFERENCE;
 
 /// The angle's low-pass reaches this much beyond the band in which torque and motion are compared.
@@ -74,7 +74,7 @@ impl Pipeline {
             torque_zero_mnm: calibration.map_or(0.0, |known| known.torque_zero_mnm),
             compliance_rad_mnm: compliance_rad_mnm(calibration),
             whole_delay: delay as usize,
-            weights: cubic_weights(part),
+            weights: cubic_weights(NEIGHBOURS, part),
             guard,
             count: 0,
             time: ring(),

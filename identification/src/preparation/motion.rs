@@ -234,7 +234,7 @@ impl KnobMotion {
             exact: false,
             velocity_noise_rad_s: velocity_noise_rad_s(angle_density, cutoff_hz, fused_hz),
             cutoff_hz,
-            reach: effective_reach(&smoother),
+            reach: (EFFECTIVE * (smoother.half_length() + DIFFERENCE_REACH) as f64) as usize,
             accelerometer,
             angle_density,
             compliance_rad_mnm: compliance_rad_mnm(calibration),
@@ -355,7 +355,7 @@ pub(crate) fn gradient(signal: &[f64], rate_hz: f64) -> Vec<f64> {
             rate_hz * pairs.map(|(weight, at)| weight * (signal[index + at] - signal[index - at])).sum::<f64>()
         }
     };
-    let weights = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0].map(|weight: f64| weight * rate_hz);
+    let weights = std::array::from_fn(|at| WEIGHTS[GRADIENT_REACH - 1][at] * rate_hz);
     let mut rate = vec![0.0; signal.len()];
     let inside = GRADIENT_REACH..signal.len().saturating_sub(GRADIENT_REACH);
     if !inside.is_empty() {
@@ -376,11 +376,6 @@ pub(crate) fn low_pass(order: usize, edge_hz: f64, rate_hz: f64, signal: &[f64])
 /// The common low-pass of angle and torque before anything is masked.
 fn smoother(cutoff_hz: f64, rate_hz: f64) -> Fir {
     Fir::kaiser_low_pass((SMOOTH_PERIODS * rate_hz / cutoff_hz).ceil() as usize, cutoff_hz, rate_hz, SMOOTH_BETA)
-}
-
-/// Samples on each side that still matter to a smoothed and twice differentiated sample.
-fn effective_reach(smoother: &Fir) -> usize {
-    (EFFECTIVE * (smoother.half_length() + DIFFERENCE_REACH) as f64) as usize
 }
 
 /// Whether a column is smooth to rounding and neither early nor late against the derivative of another.

@@ -249,14 +249,13 @@ fn lagged(signal: &[f64], lag: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Lagrange's weights of the values one sample before, at, one and two samples after a place, for the value `part` of a sample after it.
-pub(crate) fn cubic_weights(part: f64) -> [f64; 4] {
-    [
-        -part * (part - 1.0) * (part - 2.0) / 6.0,
-        (part + 1.0) * (part - 1.0) * (part - 2.0) / 2.0,
-        -(part + 1.0) * part * (part - 2.0) / 2.0,
-        (part + 1.0) * part * (part - 1.0) / 6.0,
-    ]
+/// The samples from one before a place to two after it, between which its value is interpolated.
+pub(crate) const NEIGHBOURS: [f64; 4] = [-1.0, 0.0, 1.0, 2.0];
+
+/// Lagrange's weights of the values at four places for that of the cubic through them at another.
+pub(crate) fn cubic_weights(places: [f64; 4], at: f64) -> [f64; 4] {
+    let others = |one: f64| places.into_iter().filter(move |other| *other != one);
+    places.map(|one| others(one).map(|other| (at - other) / (one - other)).product())
 }
 
 /// The signal `shift` samples later, interpolated by cubic polynomials; the ends are held.
@@ -268,7 +267,7 @@ pub(crate) fn advance(signal: &[f64], shift: f64) -> Vec<f64> {
     let part = shift - whole;
     let last = signal.len() as isize - 1;
     let at = |index: isize| signal[index.clamp(0, last) as usize];
-    let weights = cubic_weights(part);
+    let weights = cubic_weights(NEIGHBOURS, part);
     (0..signal.len() as isize)
         .map(|index| {
             let base = index + whole as isize;

@@ -68,12 +68,7 @@ impl BlockSums {
 
     /// All columns' coefficients; `None` if they cannot be told apart.
     pub(super) fn solve(&self) -> Option<Solution> {
-        self.solve_for(&self.all())
-    }
-
-    /// Sum of squares that all columns leave.
-    pub(super) fn all_left(&self) -> Option<f64> {
-        self.left(&self.all())
+        self.solve_for(&(0..self.width()).collect::<Vec<_>>())
     }
 
     /// Sum of squares that the chosen columns leave.
@@ -107,10 +102,6 @@ impl BlockSums {
             textbook: solution.inverse() * variance,
             coefficients: solution.coefficients,
         })
-    }
-
-    fn all(&self) -> Vec<usize> {
-        (0..self.width()).collect()
     }
 
     fn total(&self) -> DMatrix<f64> {

@@ -8,7 +8,6 @@ mod block_sums;
 mod characteristic;
 mod matching_pursuit;
 mod passes;
-mod sinusoids;
 
 use dynamics::{Effect, ParameterKind, effects};
 use nalgebra::DMatrix;
@@ -23,14 +22,14 @@ use crate::samples::{FEWEST_SAMPLES, Samples};
 use crate::uncertainty::statistics::{NORMAL_95, mean, median};
 use block_sums::{BlockSums, Estimate, critical};
 use matching_pursuit::Grid;
-pub(crate) use sinusoids::of_turns;
+pub(crate) use matching_pursuit::of_turns;
 
 /// Fewest rows of a direction from which its friction is told.
 const FEWEST_ROWS: usize = FEWEST_SAMPLES / 4;
 
 /// The rows of a map.
 struct Map {
-    index: Vec<usize>,
+    time_s: Vec<f64>,
     angle_rad: Vec<f64>,
     directions: Vec<i8>,
     torque_mnm: Vec<f64>,
@@ -74,9 +73,9 @@ impl SlowMotion {
     /// Of checked samples; `None` if the knob did not wander slowly through its travel.
     pub(crate) fn of(samples: &Samples<'_>) -> Option<Self> {
         let map = Map::of(samples, &Saturation::of(samples.torque_mnm), false)?;
-        let speed_rad_s = map.mean_speed_rad_s(samples);
+        let speed_rad_s = map.mean_speed_rad_s();
         Some(Self {
-            time_s: map.index.iter().map(|at| samples.t_s[*at]).collect(),
+            time_s: map.time_s,
             velocity_rad_s: map.directions.iter().map(|direction| f64::from(*direction) * speed_rad_s).collect(),
             angle_rad: map.angle_rad,
             torque_mnm: map.torque_mnm,
@@ -86,13 +85,11 @@ impl SlowMotion {
 
 impl Map {
     /// Way over time of all neighbouring rows of one pass, rad/s.
-    fn mean_speed_rad_s(&self, samples: &Samples<'_>) -> f64 {
+    fn mean_speed_rad_s(&self) -> f64 {
         let (mut way_rad, mut time_s) = (0.0, 0.0);
-        for (at, pair) in
-            self.index.windows(2).enumerate().filter(|(at, _)| self.directions[*at] == self.directions[at + 1])
-        {
-            way_rad += f64::from(self.directions[at]) * (self.angle_rad[at + 1] - self.angle_rad[at]);
-            time_s += samples.t_s[pair[1]] - samples.t_s[pair[0]];
+        for at in (1..self.time_s.len()).filter(|at| self.directions[at - 1] == self.directions[*at]) {
+            way_rad += f64::from(self.directions[at]) * (self.angle_rad[at] - self.angle_rad[at - 1]);
+            time_s += self.time_s[at] - self.time_s[at - 1];
         }
         if time_s > 0.0 { way_rad / time_s } else { 0.0 }
     }
@@ -104,11 +101,12 @@ impl Map {
         let directions = passes::directions(samples.angle_rad, duration_s, step)?;
         let index: Vec<usize> =
             (0..directions.len()).filter(|at| directions[*at] != 0 && !saturation.holds(*at)).collect();
+        let taken = |column: &[f64]| index.iter().map(|at| column[*at]).collect();
         (index.len() >= FEWEST_SAMPLES).then(|| Self {
-            angle_rad: index.iter().map(|at| samples.angle_rad[*at]).collect(),
+            time_s: taken(samples.t_s),
+            angle_rad: taken(samples.angle_rad),
             directions: index.iter().map(|at| directions[*at]).collect(),
-            torque_mnm: index.iter().map(|at| samples.torque_mnm[*at]).collect(),
-            index,
+            torque_mnm: taken(samples.torque_mnm),
         })
     }
 
@@ -147,7 +145,7 @@ struct Fitted {
 impl Fitted {
     fn of(mut sums: BlockSums, map: &Map, frictions: usize, wavenumbers: &[f64]) -> Option<Self> {
         let estimate = sums.estimate()?;
-        let (order, harmonics) = sinusoids::ranked(&sums, &estimate, frictions, wavenumbers)?;
+        let (order, harmonics) = matching_pursuit::ranked(&sums, &estimate, frictions, wavenumbers)?;
         let coefficients = &estimate.coefficients;
         let pair =
             |position: usize| [coefficients[frictions + 2 * position], coefficients[frictions + 2 * position + 1]];
@@ -184,7 +182,7 @@ impl Fitted {
             effects: self.effects(frictions),
             ..Fit::default()
         }
-        .compared(self.points(samples, map))
+        .compared(self.points(map))
     }
 
     fn no_detents(&self, grid: &Grid) -> String {
@@ -257,12 +255,12 @@ impl Fitted {
     }
 
     /// The rows; of the speed only its direction and its mean over the passes can be estimated.
-    fn points(&self, samples: &Samples<'_>, map: &Map) -> Vec<Point> {
+    fn points(&self, map: &Map) -> Vec<Point> {
         let residual = self.sums.residual(&self.estimate.coefficients);
         let deviation_mnm = prediction_sd(&self.sums.columns, &self.estimate.covariance);
-        let (speed_rad_s, critical) = (map.mean_speed_rad_s(samples), critical());
+        let (speed_rad_s, critical) = (map.mean_speed_rad_s(), critical());
         let point = |at: usize| Point {
-            t_s: samples.t_s[map.index[at]],
+            t_s: map.time_s[at],
             angle_rad: map.angle_rad[at],
             velocity_rad_s: f64::from(map.directions[at]) * speed_rad_s,
             acceleration_rad_s2: 0.0,
@@ -271,18 +269,12 @@ impl Fitted {
             torque_model_ci95_mnm: critical * deviation_mnm[at],
             residual_mnm: residual[at],
         };
-        (0..map.index.len()).map(point).collect()
+        (0..map.time_s.len()).map(point).collect()
     }
 }
 
 fn interval(value: f64, half: f64) -> [f64; 2] {
     [value - half, value + half]
-}
-
-/// Which multiple of the strongest a wavenumber is, if it is one.
-fn overtone(wavenumber: f64, strongest: f64) -> Option<u32> {
-    let ratio = wavenumber / strongest;
-    ((ratio - ratio.round()).abs() < 1e-9 && ratio >= 1.0).then(|| ratio.round() as u32)
 }
 
 fn preparation(samples: &Samples<'_>, rows: usize) -> Preparation {

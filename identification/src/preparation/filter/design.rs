@@ -20,7 +20,7 @@ pub fn chebyshev1_low_pass(order: usize, ripple_db: f64, edge_hz: f64, rate_hz: 
         return None;
     }
     let ripple = (10_f64.powf(0.1 * ripple_db) - 1.0).sqrt();
-    let stretch = (1.0 / ripple).asinh() / as_f64(order);
+    let stretch = (1.0 / ripple).asinh() / order as f64;
     let poles: Vec<_> = prototype_poles(order)
         .into_iter()
         .map(|pole| Complex::new(stretch.sinh() * pole.re, stretch.cosh() * pole.im))
@@ -38,7 +38,7 @@ pub fn chebyshev2_low_pass(order: usize, attenuation_db: f64, edge_hz: f64, rate
     if attenuation_db.is_nan() || attenuation_db <= 0.0 {
         return None;
     }
-    let stretch = (10_f64.powf(0.1 * attenuation_db) - 1.0).sqrt().asinh() / as_f64(order);
+    let stretch = (10_f64.powf(0.1 * attenuation_db) - 1.0).sqrt().asinh() / order as f64;
     let zeros: Vec<_> =
         half_angles(order).filter(|angle| *angle != 0.0).map(|angle| Complex::new(0.0, 1.0 / angle.sin())).collect();
     let poles: Vec<_> = prototype_poles(order)
@@ -52,7 +52,7 @@ pub fn chebyshev2_low_pass(order: usize, attenuation_db: f64, edge_hz: f64, rate
 
 /// The angles π·m/(2·order) for m = −order+1, −order+3, …, order−1.
 fn half_angles(order: usize) -> impl Iterator<Item = f64> {
-    (0..order).map(move |index| (2.0 * as_f64(index) + 1.0 - as_f64(order)) * PI / (2.0 * as_f64(order)))
+    (0..order).map(move |index| (2.0 * index as f64 + 1.0 - order as f64) * PI / (2.0 * order as f64))
 }
 
 fn prototype_poles(order: usize) -> Vec<Complex<f64>> {
@@ -84,8 +84,4 @@ fn digital_low_pass(
     let mut zeros = mapped(&zeros);
     zeros.resize(poles.len(), Complex::new(-1.0, 0.0));
     Some(Sections::from_zeros_poles(&zeros, &mapped(&poles), gain))
-}
-
-fn as_f64(number: usize) -> f64 {
-    number as f64
 }
