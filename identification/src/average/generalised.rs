@@ -127,17 +127,13 @@ impl Problem<'_> {
         for observation in self.observations {
             let places = self.places(observation);
             let (Some(factor), deviations) = self.factor(observation, weighing) else { continue };
+            // The observation of the mean, both counted in their own units.
+            let design = DMatrix::from_fn(places.len(), count, |row, column| {
+                if places[row] == column { scales[column] / deviations[row] } else { 0.0 }
+            });
             let whitened = |at: usize| (observation.values[at] - origin[places[at]]) / deviations[at];
-            let solved = factor.solve(&DVector::from_fn(places.len(), |at, _| whitened(at)));
-            let inverse = factor.inverse();
-            let mut weight = DMatrix::<f64>::zeros(count, count);
-            for (row, place) in places.iter().enumerate() {
-                let share = scales[*place] / deviations[row];
-                right[*place] += share * solved[row];
-                for (column, other) in places.iter().enumerate() {
-                    weight[(*place, *other)] = share * inverse[(row, column)] * scales[*other] / deviations[column];
-                }
-            }
+            right += design.tr_mul(&factor.solve(&DVector::from_fn(places.len(), |at, _| whitened(at))));
+            let weight = design.tr_mul(&factor.solve(&design));
             middle += &weight * &widening * &weight;
             normal += weight;
         }
@@ -174,15 +170,11 @@ impl Problem<'_> {
             if joint.is_empty() {
                 continue;
             }
-            let own = factor.inverse();
+            let taken = DMatrix::from_fn(places.len(), places.len(), |row, column| {
+                of_mean[(places[row], places[column])] / deviations[column]
+            }) * factor.inverse();
             let free = DMatrix::from_fn(joint.len(), joint.len(), |row, column| {
-                let taken: f64 = (0..places.len())
-                    .map(|at| {
-                        of_mean[(places[joint[row]], places[at])] / deviations[at] * own[(at, joint[column])]
-                            / deviations[joint[column]]
-                    })
-                    .sum();
-                f64::from(u8::from(row == column)) - taken
+                f64::from(row == column) - taken[(joint[row], joint[column])] / deviations[joint[column]]
             });
             uncertain += ((&free * &free).trace() + free.trace().powi(2)) / (2.0 * observation.degrees_of_freedom);
             for (at, place) in places.iter().enumerate().filter(|(at, _)| observation.joint[*at]) {

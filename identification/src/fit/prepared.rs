@@ -140,7 +140,7 @@ impl<'a> Prepared<'a> {
         // Rows beside measured curves are freed of what the curves do at their own samples.
         let near = near.filter(|_| trimmed.curves.is_none());
         let near = near.map(|near| trimmed.with_rows_of(&near, band, torque_mnm));
-        let mut fit = Report { trimmed: &trimmed, band, calibration, near }.fit(no_detents);
+        let mut fit = Report::new(&trimmed, band, calibration, near.as_ref()).fit(no_detents);
         Stick::of(uniform, motion, &fit.effects).report(&mut fit.parameters, &mut fit.effects);
         if is_unsettled {
             fit.notes.push(

@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use dynamics::{Calibration, Effect, Part, effects};
+use dynamics::{Calibration, Effect, ParameterKind, Part, effects};
 use nalgebra::{DMatrix, RowDVector};
 
 use super::misfit::Misfit;
@@ -29,38 +29,48 @@ const ENTANGLED: f64 = 0.01;
 
 /// The settled problem with all that its words need.
 pub(crate) struct Report<'a> {
-    pub(crate) trimmed: &'a Trimmed<'a>,
-    pub(crate) band: &'a Band,
-    pub(crate) calibration: Option<&'a Calibration>,
-    /// The rows, together with those next to standstill that the fit leaves out; `None` if it leaves out none.
-    pub(crate) near: Option<Rows>,
+    trimmed: &'a Trimmed<'a>,
+    band: &'a Band,
+    calibration: Option<&'a Calibration>,
+    robust: RobustCovariance,
+    textbook: DMatrix<f64>,
+    misfit: Misfit,
 }
 
-impl Report<'_> {
-    /// All that the settled problem tells; `no_detents` is the reason if there are none.
-    pub(crate) fn fit(&self, no_detents: Option<String>) -> Fit {
-        let Trimmed { columns, solution, .. } = self.trimmed;
-        let textbook = solution.textbook_covariance();
-        let instruments = self.trimmed.instruments.as_ref().unwrap_or(columns);
-        let mut robust = solution.robust(instruments);
-        if let Some(curves) = &self.trimmed.curves {
+/// A parameter, with its derivatives by the coefficients if it is told and not held at zero.
+type Told = (Parameter, Option<RowDVector<f64>>);
+
+impl<'a> Report<'a> {
+    /// `near` are the rows, together with those next to standstill that the fit leaves out; `None` if it leaves out none.
+    pub(crate) fn new(
+        trimmed: &'a Trimmed<'a>,
+        band: &'a Band,
+        calibration: Option<&'a Calibration>,
+        near: Option<&Rows>,
+    ) -> Self {
+        let mut robust = trimmed.solution.robust(trimmed.instruments.as_ref().unwrap_or(&trimmed.columns));
+        if let Some(curves) = &trimmed.curves {
             robust.enlarge(curves.count());
         }
-        let misfit = Misfit::of(self.trimmed, self.near.as_ref(), &robust);
+        let misfit = Misfit::of(trimmed, near, &robust);
+        Self { trimmed, band, calibration, robust, textbook: trimmed.solution.textbook_covariance(), misfit }
+    }
+
+    /// All that the settled problem tells; `no_detents` is the reason if there are none.
+    pub(crate) fn fit(&self, no_detents: Option<String>) -> Fit {
+        let Trimmed { columns, .. } = self.trimmed;
         let effects = self.trimmed.effects();
-        let mut parameters = Vec::new();
-        for (index, effect) in effects.iter().enumerate() {
-            self.effect_parameters(index, effect, &robust, &textbook, &misfit, &mut parameters);
-        }
+        let of_effect = |(index, effect)| self.parameters(index, effect);
+        let mut told: Vec<Told> = effects.iter().enumerate().flat_map(of_effect).collect();
         if let Some(reason) = no_detents {
-            let of = |kind| Parameter::not_identifiable(kind, reason.clone());
-            parameters.extend(effects::detent::KIND.parameters.iter().map(of));
+            let absent = |kind| (Parameter::not_identifiable(kind, reason.clone()), None);
+            told.extend(effects::detent::KIND.parameters.iter().map(absent));
         }
-        let parameters = Parameters(parameters);
-        let covariance = self.covariance(&effects, &parameters, &robust);
+        let covariance = self.covariance(&told);
+        let parameters = Parameters(told.into_iter().map(|(parameter, _)| parameter).collect());
         let rows = self.sliding_rows();
-        let points = self.points(&rows, &prediction_sd(columns, &robust.matrix), covariance.critical);
-        let textbook_sd = prediction_sd(columns, &textbook);
+        let points = self.points(&rows, &prediction_sd(columns, &self.robust.matrix), covariance.critical);
+        let textbook_sd = prediction_sd(columns, &self.textbook);
         Fit {
             mean_ci95_textbook_mnm: NORMAL_95 * mean(rows.iter().map(|row| textbook_sd[*row])),
             torque_delay_s: self.trimmed.delay_s,
@@ -74,29 +84,18 @@ impl Report<'_> {
     }
 
     /// Covariance of the parameters that are told and not held at zero, from that of the coefficients.
-    fn covariance(&self, effects: &[Effect], parameters: &Parameters, robust: &RobustCovariance) -> Covariance {
-        let coefficients = &robust.matrix;
-        let mut order = Vec::new();
-        let mut derivatives = Vec::new();
-        for (index, effect) in effects.iter().enumerate() {
-            let jacobian = self.jacobian(index, effect, coefficients);
-            for (position, (kind, _)) in effect.parameters().enumerate() {
-                // The textbook's interval is left out where a parameter is held at zero.
-                if parameters.get(kind.name).is_some_and(|estimated| estimated.ci95_textbook.is_some()) {
-                    order.push(kind.name);
-                    derivatives.push(jacobian.row(position).into_owned());
-                }
-            }
-        }
+    fn covariance(&self, told: &[Told]) -> Covariance {
+        let derivatives = || told.iter().filter_map(|(_, derivatives)| derivatives.as_ref());
         let row = |left: &RowDVector<f64>| {
-            let product = left * coefficients;
-            derivatives.iter().map(|right| product.dot(right)).collect()
+            let product = left * &self.robust.matrix;
+            derivatives().map(|right| product.dot(right)).collect()
         };
+        let degrees_of_freedom = self.robust.degrees_of_freedom;
         Covariance {
-            rows: derivatives.iter().map(row).collect(),
-            order,
-            critical: student_95(robust.degrees_of_freedom),
-            degrees_of_freedom: robust.degrees_of_freedom,
+            order: told.iter().filter(|told| told.1.is_some()).map(|(parameter, _)| parameter.name).collect(),
+            rows: derivatives().map(row).collect(),
+            critical: student_95(degrees_of_freedom),
+            degrees_of_freedom,
         }
     }
 
@@ -114,26 +113,20 @@ impl Report<'_> {
         notes
     }
 
-    fn effect_parameters(
-        &self,
-        index: usize,
-        effect: &Effect,
-        robust: &RobustCovariance,
-        textbook: &DMatrix<f64>,
-        misfit: &Misfit,
-        parameters: &mut Vec<Parameter>,
-    ) {
-        let Some(regressors) = effect.kind().regressors else { return };
-        let jacobian = self.jacobian(index, effect, &robust.matrix);
+    /// The parameters of an effect.
+    fn parameters(&self, index: usize, effect: &Effect) -> Vec<Told> {
+        let Self { robust, misfit, .. } = self;
+        let Some(regressors) = effect.kind().regressors else { return Vec::new() };
+        let jacobian = self.jacobian(index, effect);
         let [variances, textbook] =
-            [&robust.matrix, textbook].map(|covariance| &jacobian * covariance * jacobian.transpose());
+            [&robust.matrix, &self.textbook].map(|covariance| &jacobian * covariance * jacobian.transpose());
         let gripper = match (effect.kind().part, self.calibration) {
             (Part::Inertia(_), Some(calibration)) => calibration.gripper_inertia,
             _ => 0.0,
         };
         let range = self.trimmed.problem.range(index);
         let searched_any = !regressors.searched.is_empty();
-        for (position, (kind, value)) in effect.parameters().enumerate() {
+        let parameter = |(position, (kind, value)): (usize, (&'static ParameterKind, f64))| {
             let critical = student_95(robust.degrees_of_freedom_of(&jacobian.row(position).transpose()));
             let derivatives = jacobian.row(position).into_owned();
             let by_chance = critical * variances[(position, position)].max(0.0).sqrt();
@@ -142,27 +135,29 @@ impl Report<'_> {
             let half_textbook = NORMAL_95 * textbook[(position, position)].max(0.0).sqrt();
             let linear = (!searched_any && position < range.len()).then(|| range.start + position);
             let reason = linear.and_then(|column| {
-                self.at_one_speed(column, robust, critical, misfit)
-                    .or_else(|| self.beside_a_load(column, kind.name, critical, misfit))
+                self.at_one_speed(column, critical)
+                    .or_else(|| self.beside_a_load(column, kind.name, critical))
                     .or_else(|| self.why_not_identifiable(column, kind.name, half))
             });
             if let Some(reason) = reason {
-                parameters.push(Parameter::not_identifiable(kind, reason));
-                continue;
+                return (Parameter::not_identifiable(kind, reason), None);
             }
             let value = value - gripper;
             let held = linear.is_some_and(|column| self.trimmed.solution.at_zero[column]);
             let low = if held { 0.0 } else { value - half.max(-below) };
             let half = if held { self.half_width_at_zero(range.start + position, critical) } else { half };
-            parameters.push(Parameter {
+            let parameter = Parameter {
                 ci95_textbook: (!held).then_some([value - half_textbook, value + half_textbook]),
                 ..Parameter::estimated(kind, value, Some([low, value + half.max(above)]))
-            });
-        }
+            };
+            (parameter, (!held).then_some(derivatives))
+        };
+        effect.parameters().enumerate().map(parameter).collect()
     }
 
     /// Derivatives of an effect's values by all fitted coefficients, by differences of a thousandth of a standard error.
-    fn jacobian(&self, index: usize, effect: &Effect, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+    fn jacobian(&self, index: usize, effect: &Effect) -> DMatrix<f64> {
+        let covariance = &self.robust.matrix;
         let problem = &self.trimmed.problem;
         let count = self.trimmed.columns.len();
         let parameters = effect.values().len();
@@ -200,7 +195,7 @@ impl Report<'_> {
 
     /// Why a friction column cannot be told apart from the other one of its direction, and what is known of both together:
     /// the speed varies by little more than the encoder's noise.
-    fn at_one_speed(&self, column: usize, robust: &RobustCovariance, critical: f64, misfit: &Misfit) -> Option<String> {
+    fn at_one_speed(&self, column: usize, critical: f64) -> Option<String> {
         let Trimmed { columns, solution, problem, .. } = self.trimmed;
         let friction = problem.effects.iter().position(|effect| effect.kind().name == effects::friction::KIND.name)?;
         let direction = column.checked_sub(problem.range(friction).start).filter(|place| *place < 4)? % 2;
@@ -217,8 +212,8 @@ impl Report<'_> {
         let together = solution.coefficients[coulomb] + solution.coefficients[viscous] * speed_rad_s;
         let mut derivatives = RowDVector::zeros(columns.len());
         (derivatives[coulomb], derivatives[viscous]) = (1.0, speed_rad_s);
-        let by_chance = critical * deviation_of_sum(&robust.matrix, derivatives.as_slice());
-        let half = by_chance.hypot(misfit.of_sum(&derivatives));
+        let by_chance = critical * deviation_of_sum(&self.robust.matrix, derivatives.as_slice());
+        let half = by_chance.hypot(self.misfit.of_sum(&derivatives));
         let [name, with] = if column == coulomb { [coulomb, viscous] } else { [viscous, coulomb] }
             .map(|column| self.column_name(column).unwrap_or_default());
         Some(format!(
@@ -230,7 +225,7 @@ impl Report<'_> {
 
     /// Why a Coulomb friction cannot be separated from a constant torque, and the sum of both directions, which can: without the bound at
     /// zero one direction's friction would surely be negative, and the other's positive.
-    fn beside_a_load(&self, column: usize, name: &str, critical: f64, misfit: &Misfit) -> Option<String> {
+    fn beside_a_load(&self, column: usize, name: &str, critical: f64) -> Option<String> {
         let Trimmed { columns, solution, problem, .. } = self.trimmed;
         let (levels, _) = problem.both_ways()?;
         if !levels.contains(&column) {
@@ -240,7 +235,7 @@ impl Report<'_> {
             let mut derivatives = RowDVector::zeros(columns.len());
             levels.iter().for_each(|level| derivatives[*level] = 1.0);
             let at: f64 = levels.iter().map(|level| solution.coefficients[*level]).sum();
-            misfit.without_bounds(&derivatives, critical).map(|[low, high]| [at + low, at + high])
+            self.misfit.without_bounds(&derivatives, critical).map(|[low, high]| [at + low, at + high])
         };
         let [negative, positive] = [interval(&levels[..1])?, interval(&levels[1..])?];
         let is_driven = |[_, high]: [f64; 2], [low, _]: [f64; 2]| high < 0.0 && low > 0.0;

@@ -1,10 +1,12 @@
 //! Torque and base columns gathered by angle: the detent scan of a stream that is not kept.
 
+use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector, DVectorView};
 use realfft::num_complex::Complex;
 
+use super::blocks::MOST_COLUMNS;
 use crate::detents::scan::{FEWEST_PERIODS, background_of, gram_inverse, power, vertex_of};
 use crate::detents::{WORTHWHILE_AMPLITUDE, WORTHWHILE_SHARE};
 use crate::numerics::fourier;
@@ -47,13 +49,11 @@ impl Transform {
 /// Sums of unfiltered columns and torque by angle.
 #[derive(Debug)]
 pub(super) struct AngleBins {
-    width: usize,
     bin_rad: f64,
     /// Angle of the first bin's lower edge, in bins.
     first: i64,
     /// Per bin: number of samples, then the columns' sums.
-    sums: Vec<f64>,
-    bins: usize,
+    sums: VecDeque<[f64; MOST_COLUMNS]>,
     /// Inner products of the rows' columns.
     gram: DMatrix<f64>,
     transform: Transform,
@@ -72,11 +72,9 @@ impl AngleBins {
     /// For rows of `width` columns, the last of them the torque.
     pub(super) fn new(width: usize) -> Self {
         Self {
-            width,
             bin_rad: FIRST_WIDTH_RAD,
             first: 0,
-            sums: Vec::new(),
-            bins: 0,
+            sums: VecDeque::new(),
             gram: DMatrix::zeros(width, width),
             transform: Transform::default(),
         }
@@ -84,12 +82,12 @@ impl AngleBins {
 
     /// Distance between the outermost angles, rad.
     pub(super) fn travel_rad(&self) -> f64 {
-        self.bins as f64 * self.bin_rad
+        self.sums.len() as f64 * self.bin_rad
     }
 
     /// Middle of the travel, rad.
     pub(super) fn middle_rad(&self) -> f64 {
-        (self.first as f64 + 0.5 * self.bins as f64) * self.bin_rad
+        (self.first as f64 + 0.5 * self.sums.len() as f64) * self.bin_rad
     }
 
     /// Adds a sample.
@@ -102,60 +100,48 @@ impl AngleBins {
         let lower = place.floor();
         let share = place - lower;
         for (bin, weight) in [(lower as i64, 1.0 - share), (lower as i64 + 1, share)] {
-            let bin = bin.clamp(0, self.bins as i64 - 1) as usize;
-            let sums = &mut self.sums[bin * (self.width + 1)..(bin + 1) * (self.width + 1)];
+            let bin = bin.clamp(0, self.sums.len() as i64 - 1) as usize;
+            let sums = &mut self.sums[bin];
             sums[0] += weight;
             sums[1..].iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
         }
     }
 
     fn make_room(&mut self, angle_rad: f64) {
-        let stride = self.width + 1;
         loop {
             let bin = (angle_rad / self.bin_rad).floor() as i64;
-            if self.bins == 0 {
+            if self.sums.is_empty() {
                 self.first = bin;
-                self.bins = 1;
-                self.sums = vec![0.0; stride];
+            }
+            let last = self.first + self.sums.len() as i64 - 1;
+            let (low, high) = (bin.min(self.first), bin.max(last));
+            if high - low < MOST_BINS as i64 {
+                (low..self.first).for_each(|_| self.sums.push_front([0.0; MOST_COLUMNS]));
+                self.first = low;
+                self.sums.resize((high - low + 1) as usize, [0.0; MOST_COLUMNS]);
                 return;
             }
-            let (low, high) = (bin.min(self.first), bin.max(self.first + self.bins as i64 - 1));
-            if high - low >= MOST_BINS as i64 {
-                self.coarsen();
-                continue;
-            }
-            if low < self.first {
-                let more = (self.first - low) as usize * stride;
-                self.sums.splice(0..0, std::iter::repeat_n(0.0, more));
-                self.first = low;
-            }
-            self.bins = (high - low + 1) as usize;
-            self.sums.resize(self.bins * stride, 0.0);
-            return;
+            self.coarsen();
         }
     }
 
     fn coarsen(&mut self) {
-        let stride = self.width + 1;
         let first = self.first.div_euclid(2);
-        let bins = ((self.first + self.bins as i64 - 1).div_euclid(2) - first + 1) as usize;
-        let mut sums = vec![0.0; bins * stride];
-        for bin in 0..self.bins {
-            let target = ((self.first + bin as i64).div_euclid(2) - first) as usize;
-            for index in 0..stride {
-                sums[target * stride + index] += self.sums[bin * stride + index];
+        let mut coarse = VecDeque::new();
+        for (bin, sums) in (self.first..).zip(&self.sums) {
+            coarse.resize((bin.div_euclid(2) - first + 1) as usize, [0.0; MOST_COLUMNS]);
+            if let Some(coarse) = coarse.back_mut() {
+                coarse.iter_mut().zip(sums).for_each(|(sum, value)| *sum += value);
             }
         }
-        self.sums = sums;
-        self.first = first;
-        self.bins = bins;
+        (self.first, self.sums) = (first, coarse);
         self.bin_rad *= 2.0;
     }
 
     /// The best period, given the base coefficients; `None` while the travel supports none.
     pub(super) fn scan(&mut self, coefficients: &[f64], slow_rad_s: f64, band_hz: f64) -> Option<Scan> {
-        let columns = self.width - 1;
-        let length = (OVERSAMPLING * self.bins).next_power_of_two();
+        let columns = self.gram.nrows() - 1;
+        let length = (OVERSAMPLING * self.sums.len()).next_power_of_two();
         let spacing = TAU / (length as f64 * self.bin_rad);
         let travel_rad = self.travel_rad();
         let first = (FEWEST_PERIODS * TAU / travel_rad / spacing).ceil() as usize;
@@ -197,20 +183,15 @@ impl AngleBins {
     fn residual_square(&self, coefficients: &[f64]) -> f64 {
         // The residual is the sum of all columns, the torque's the last, with these weights.
         let weights = coefficients.iter().map(|value| -value).chain([1.0]);
-        let weights = DVector::from_iterator(self.width, weights);
+        let weights = DVector::from_iterator(self.gram.nrows(), weights);
         weights.dot(&(&self.gram * &weights)).max(0.0)
     }
 
     /// Σ value·exp(ikθ) for the counts and every column, θ from the middle of the first bin: the `count` longest waves.
     fn spectra(&mut self, length: usize, count: usize) -> Vec<Vec<Complex<f64>>> {
-        let Self { sums, transform, .. } = self;
-        let stride = self.width + 1;
-        (0..stride)
-            .map(|column| {
-                let values = sums.chunks_exact(stride).map(|sums| sums[column]);
-                transform.start_of(values, length, count)
-            })
-            .collect()
+        let Self { sums, gram, transform, .. } = self;
+        let of = |column| transform.start_of(sums.iter().map(|sums: &[f64; MOST_COLUMNS]| sums[column]), length, count);
+        (0..=gram.nrows()).map(of).collect()
     }
 }
 

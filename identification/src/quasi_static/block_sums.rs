@@ -52,12 +52,11 @@ impl BlockSums {
         for (block, products) in self.blocks.iter_mut().enumerate() {
             let range = range(block, self.target.len());
             let part = &last[range.clone()];
-            let mut grown = std::mem::replace(products, DMatrix::zeros(0, 0)).resize(size, size, 0.0);
+            products.resize_mut(size, size, 0.0);
             for (place, other) in [&self.target].into_iter().chain(&self.columns).enumerate() {
                 let product = dot(part, &other[range.clone()]);
-                (grown[(size - 1, place)], grown[(place, size - 1)]) = (product, product);
+                (products[(size - 1, place)], products[(place, size - 1)]) = (product, product);
             }
-            *products = grown;
         }
     }
 

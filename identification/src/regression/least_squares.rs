@@ -244,27 +244,3 @@ pub(crate) fn residual<C: Deref<Target = [f64]>>(columns: &[C], target: &[f64], 
     vector::residual(columns, coefficients, target, &mut residual);
     residual
 }
-
-#[cfg(test)]
-mod tests {
-    use super::LeastSquares;
-
-    #[test]
-    fn sorting_the_samples_by_position_changes_nothing() {
-        let angle: Vec<f64> = (0..500).map(|n| (f64::from(n) * 0.37).sin()).collect();
-        let velocity: Vec<f64> = (0..500).map(|n| (f64::from(n) * 0.37).cos()).collect();
-        let torque: Vec<f64> = (0..500)
-            .map(|n| 2.0 * angle[n] + 0.5 * velocity[n] + 0.1 * f64::from(u32::try_from(n * n % 17).unwrap_or(0)))
-            .collect();
-        let mut order: Vec<usize> = (0..500).collect();
-        order.sort_by(|a, b| angle[*a].total_cmp(&angle[*b]));
-        let sorted = |values: &[f64]| order.iter().map(|index| values[*index]).collect::<Vec<f64>>();
-        let in_time = LeastSquares::solve(&[angle.clone(), velocity.clone()], &torque);
-        let by_angle = LeastSquares::solve(&[sorted(&angle), sorted(&velocity)], &sorted(&torque));
-        for (left, right) in in_time.coefficients.iter().zip(&by_angle.coefficients) {
-            assert!((left - right).abs() < 1e-12, "{left} in time, {right} by position");
-        }
-        let difference = in_time.textbook_covariance() - by_angle.textbook_covariance();
-        assert!(difference.norm() < 1e-12 * in_time.textbook_covariance().norm());
-    }
-}

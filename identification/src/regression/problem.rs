@@ -113,8 +113,7 @@ impl<'a> Problem<'a> {
     /// Computes the inner products of the columns from `first` on again.
     fn update_products(&mut self, first: usize) {
         let count = self.columns.len();
-        let products = std::mem::replace(&mut self.products, DMatrix::zeros(0, 0));
-        self.products = products.resize(count, count, 0.0);
+        self.products.resize_mut(count, count, 0.0);
         vector::products(&self.columns, first, &mut self.products);
     }
 
