@@ -78,7 +78,7 @@ pub struct Covariance {
 }
 
 /// One sinusoid of the angle.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Harmonic {
     /// Multiple of the detent that it is, the detent itself being 1; `None` if it is no multiple.
     pub order: Option<u32>,

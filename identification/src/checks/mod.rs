@@ -7,7 +7,6 @@
 mod breakaway;
 mod detents;
 mod free_travel;
-mod profile;
 
 pub use breakaway::{Breakaway, breakaways};
 pub use detents::{CountError, DetentCount, count_detents};

@@ -229,11 +229,9 @@ fn harmonics(
             order: Some(order),
             per_turn: f64::from(order) / period_rad,
             amplitude_mnm: sine.hypot(cosine),
-            amplitude_ci95_mnm: None,
             phase_rad: cosine.atan2(sine),
-            phase_ci95_rad: None,
             explains_percent: 100.0 * gain / total,
-            relative_error_percent: None,
+            ..Harmonic::default()
         };
         total = left;
         found.push((harmonic, own));

@@ -30,17 +30,15 @@ mod blocks;
 mod convergence;
 mod estimate;
 mod pipeline;
-mod ring;
 
 use dynamics::{Calibration, Effect, effects};
 
 use angle_bins::AngleBins;
-use blocks::Blocks;
+use blocks::{Blocks, RowFilter};
 pub use convergence::{Convergence, Criterion, MotionRms, USUAL_SHARE, relative_half_width};
 use estimate::{Excitation, estimate};
 pub use estimate::{LiveEstimate, LiveParameter, Verdict};
 use pipeline::{Pipeline, Sliding};
-use ring::RowFilter;
 
 use crate::preparation::uniform::cubic_weights;
 

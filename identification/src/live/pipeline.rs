@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use dynamics::{Calibration, Motion};
 
 use super::LiveSample;
-use super::ring::Ring;
 use crate::preparation::compliance::compliance_rad_mnm;
 use crate::preparation::filter::Fir;
 use crate::preparation::uniform::{NEIGHBOURS, cubic_weights};
@@ -186,5 +185,27 @@ impl Pipeline {
         } else {
             self.noise / (1.0 + MEDIAN_STEP)
         };
+    }
+}
+
+/// The last values of a stream, addressed by their count since the start.
+#[derive(Clone, Debug)]
+struct Ring {
+    values: Vec<f64>,
+}
+
+impl Ring {
+    /// Room for at least `length` values.
+    fn new(length: usize) -> Self {
+        Self { values: vec![0.0; length.next_power_of_two()] }
+    }
+
+    fn set(&mut self, index: usize, value: f64) {
+        let place = index & (self.values.len() - 1);
+        self.values[place] = value;
+    }
+
+    fn get(&self, index: usize) -> f64 {
+        self.values[index & (self.values.len() - 1)]
     }
 }

@@ -1,7 +1,6 @@
 //! From a capture's columns to rows of a regression: one sample rate, the knob's motion, the band in which it is signal, and the mask that
 //! leaves out standstill, gaps and saturation.
 
-pub(crate) mod angle_spectrum;
 pub(crate) mod compliance;
 pub(crate) mod encoder_step;
 pub mod filter;

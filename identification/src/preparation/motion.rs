@@ -5,11 +5,10 @@ use std::f64::consts::TAU;
 
 use dynamics::{Calibration, Motion};
 
-use super::angle_spectrum::AngleSpectrum;
 use super::compliance::{compliance_rad_mnm, knob_angle_rad};
 use super::filter::{Fir, butterworth_low_pass};
 use super::fusion::{Sensors, blend, kalman_smoother};
-use super::spectrum::{Spectrum, white_density};
+use super::spectrum::{AngleSpectrum, Spectrum, white_density};
 use super::uniform::Uniform;
 use crate::numerics::vector::{self, dot};
 use crate::options::AccelerationUse;

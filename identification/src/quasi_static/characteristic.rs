@@ -43,7 +43,7 @@ pub(super) fn fit(samples: &Samples<'_>, map: &Map, saturation: &Saturation) -> 
     let coefficients: Vec<f64> = (0..width).map(|column| solution.coefficients[fitted(column)]).collect();
     let (covariance, textbook) = (spread(&covariance), spread(&solution.textbook_covariance()));
     let estimate = Estimate { coefficients, covariance, textbook };
-    let fitted = Fitted { sums, estimate, harmonics: Vec::new(), period_half_widths_rad: [0.0; 2] };
+    let fitted = Fitted { sums, estimate, harmonics: Vec::new(), period_half_width_rad: 0.0 };
     let mut fit = fitted.fit(samples, map, known, NO_DETENTS, map.notes(saturation));
     fit.effects.extend(effects);
     fit.characteristics = curves;

@@ -199,16 +199,11 @@ pub(crate) fn of_turns(
     }
     let wavenumbers = sinusoids(&mut sums, angle_rad, &grid);
     let estimate = sums.estimate()?;
-    ranked(&sums, &estimate, columns, &wavenumbers).map(|(_, harmonics)| harmonics)
+    ranked(&sums, &estimate, columns, &wavenumbers)
 }
 
-/// The sinusoids behind the first `base` columns: their places from the strongest on, and what they are.
-pub(super) fn ranked(
-    sums: &BlockSums,
-    estimate: &Estimate,
-    base: usize,
-    wavenumbers: &[f64],
-) -> Option<(Vec<usize>, Vec<Harmonic>)> {
+/// The sinusoids behind the first `base` columns, strongest first.
+pub(super) fn ranked(sums: &BlockSums, estimate: &Estimate, base: usize, wavenumbers: &[f64]) -> Option<Vec<Harmonic>> {
     let coefficients = &estimate.coefficients;
     let pair = |position: usize| [coefficients[base + 2 * position], coefficients[base + 2 * position + 1]];
     let mut order: Vec<usize> = (0..wavenumbers.len()).collect();
@@ -240,7 +235,7 @@ pub(super) fn ranked(
         });
         before = after;
     }
-    Some((order, harmonics))
+    Some(harmonics)
 }
 
 /// Which multiple of the strongest a wavenumber is, if it is one.

@@ -7,25 +7,32 @@
 mod block_sums;
 mod characteristic;
 mod matching_pursuit;
-mod passes;
-
-use dynamics::{Effect, ParameterKind, effects};
-use nalgebra::DMatrix;
 
 use crate::estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 use crate::fit::report::prediction_sd;
-use crate::numerics::vector::smallest_step;
+use crate::numerics::vector::{extent, smallest_step};
 use crate::options::FitOptions;
 use crate::preparation::motion::scatter;
 use crate::preparation::saturation::Saturation;
 use crate::samples::{FEWEST_SAMPLES, Samples};
 use crate::uncertainty::statistics::{NORMAL_95, mean, median};
 use block_sums::{BlockSums, Estimate, critical};
+use dynamics::{Effect, ParameterKind, effects};
 use matching_pursuit::Grid;
 pub(crate) use matching_pursuit::of_turns;
 
 /// Fewest rows of a direction from which its friction is told.
 const FEWEST_ROWS: usize = FEWEST_SAMPLES / 4;
+/// A reversal counts once the knob has come back by this many times what the encoder resolves.
+const REVERSAL: f64 = 10.0;
+/// Travel in units of a counted reversal from which it is a motion and no noise.
+const LEAST_TRAVEL: f64 = 20.0;
+/// Mean speed of the passes above which inertia and viscous friction of a knob are no longer small beside the rest, rad/s.
+const FASTEST_RAD_S: f64 = 0.5;
+/// The travel is divided into this many places …
+const PLACES: usize = 50;
+/// … of which this share must have been visited: a jump from one place to another is no map.
+const VISITED: f64 = 0.8;
 
 /// The rows of a map.
 struct Map {
@@ -98,7 +105,7 @@ impl Map {
     fn of(samples: &Samples<'_>, saturation: &Saturation, is_curve: bool) -> Option<Self> {
         let step = smallest_step(samples.angle_rad);
         let duration_s = if is_curve { f64::INFINITY } else { samples.t_s.last()? - samples.t_s.first()? };
-        let directions = passes::directions(samples.angle_rad, duration_s, step)?;
+        let directions = directions(samples.angle_rad, duration_s, step)?;
         let index: Vec<usize> =
             (0..directions.len()).filter(|at| directions[*at] != 0 && !saturation.holds(*at)).collect();
         let taken = |column: &[f64]| index.iter().map(|at| column[*at]).collect();
@@ -138,29 +145,26 @@ struct Fitted {
     estimate: Estimate,
     /// Strongest first.
     harmonics: Vec<Harmonic>,
-    /// Half widths of the strongest one's period, phase-independent: as estimated, and by the textbook, rad.
-    period_half_widths_rad: [f64; 2],
+    /// Half width of the strongest one's period, phase-independent, rad.
+    period_half_width_rad: f64,
 }
 
 impl Fitted {
     fn of(mut sums: BlockSums, map: &Map, frictions: usize, wavenumbers: &[f64]) -> Option<Self> {
         let estimate = sums.estimate()?;
-        let (order, harmonics) = matching_pursuit::ranked(&sums, &estimate, frictions, wavenumbers)?;
-        let coefficients = &estimate.coefficients;
-        let pair =
-            |position: usize| [coefficients[frictions + 2 * position], coefficients[frictions + 2 * position + 1]];
-        let mut period_half_widths_rad = [0.0; 2];
-        if let Some(strongest) = order.first() {
+        let harmonics = matching_pursuit::ranked(&sums, &estimate, frictions, wavenumbers)?;
+        let mut period_half_width_rad = 0.0;
+        if let Some(Harmonic { per_turn, amplitude_mnm, phase_rad, .. }) = harmonics.first() {
             let base = sums.width();
-            let wavenumber = wavenumbers[*strongest];
-            sums.push(matching_pursuit::tangent(&map.angle_rad, wavenumber, pair(*strongest)));
+            let pair = [amplitude_mnm * phase_rad.cos(), amplitude_mnm * phase_rad.sin()];
+            sums.push(matching_pursuit::tangent(&map.angle_rad, *per_turn, pair));
             if let Some(wider) = sums.estimate() {
-                let half = |covariance: &DMatrix<f64>| covariance[(base, base)].max(0.0).sqrt() / wavenumber.powi(2);
-                period_half_widths_rad = [critical() * half(&wider.covariance), NORMAL_95 * half(&wider.textbook)];
+                let deviation = wider.covariance[(base, base)].max(0.0).sqrt();
+                period_half_width_rad = critical() * deviation / per_turn.powi(2);
             }
             sums.truncate(base);
         }
-        Some(Self { sums, estimate, harmonics, period_half_widths_rad })
+        Some(Self { sums, estimate, harmonics, period_half_width_rad })
     }
 
     /// The fit as it is told.
@@ -226,7 +230,7 @@ impl Fitted {
         if let Some(strongest) = self.harmonics.first() {
             let [amplitude, period, phase] = detent;
             let period_rad = 1.0 / strongest.per_turn;
-            let period_ci95_rad = Some(interval(period_rad, self.period_half_widths_rad[0]));
+            let period_ci95_rad = Some(interval(period_rad, self.period_half_width_rad));
             parameters.push(Parameter::estimated(amplitude, strongest.amplitude_mnm, strongest.amplitude_ci95_mnm));
             parameters.push(Parameter::estimated(period, period_rad, period_ci95_rad));
             parameters.push(Parameter::estimated(phase, strongest.phase_rad, strongest.phase_ci95_rad));
@@ -291,4 +295,49 @@ fn preparation(samples: &Samples<'_>, rows: usize) -> Preparation {
         torque_noise_mnm: scatter(samples.torque_mnm),
         ..Preparation::default()
     }
+}
+
+/// +1 or −1 for the direction of the pass that a sample belongs to; 0 where that is not known: before the first pass,
+/// and between a turning point and where the knob has surely turned, while friction changes over.
+///
+/// `None` if the knob did not wander slowly through its travel.
+fn directions(angle_rad: &[f64], duration_s: f64, resolution_rad: f64) -> Option<Vec<i8>> {
+    let (lowest, highest) = extent(angle_rad)?;
+    let travel = highest - lowest;
+    let reversal = REVERSAL * resolution_rad.max(scatter(angle_rad));
+    if !reversal.is_finite() || travel < LEAST_TRAVEL * reversal {
+        return None;
+    }
+    let mut visited = [false; PLACES];
+    for angle in angle_rad {
+        visited[(((angle - lowest) / travel * PLACES as f64) as usize).min(PLACES - 1)] = true;
+    }
+    if (visited.iter().filter(|place| **place).count() as f64) < VISITED * PLACES as f64 {
+        return None;
+    }
+    let mut directions = vec![0_i8; angle_rad.len()];
+    let mut direction = 0_i8;
+    let mut path = 0.0;
+    // The furthest points of the pass, and where they were.
+    let (mut low, mut high) = ((angle_rad[0], 0), (angle_rad[0], 0));
+    for (index, angle) in angle_rad.iter().enumerate() {
+        if *angle < low.0 {
+            low = (*angle, index);
+        }
+        if *angle > high.0 {
+            high = (*angle, index);
+        }
+        if direction >= 0 && *angle < high.0 - reversal {
+            directions[high.1 + 1..index].fill(0);
+            path += high.0 - low.0;
+            (direction, low) = (-1, (*angle, index));
+        } else if direction <= 0 && *angle > low.0 + reversal {
+            directions[low.1 + 1..index].fill(0);
+            path += high.0 - low.0;
+            (direction, high) = (1, (*angle, index));
+        }
+        directions[index] = direction;
+    }
+    path += high.0 - low.0;
+    (path < FASTEST_RAD_S * duration_s).then_some(directions)
 }

@@ -16,7 +16,7 @@ use std::ops::Deref;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::long_run::{PARZEN_SQUARES, kernel_scale, triangles};
+use super::long_run::{PARZEN_SQUARES, kernel_scale};
 use crate::numerics::vector;
 
 /// Places at which half of the kernel is told apart: products of columns vary slowly.
@@ -58,7 +58,7 @@ impl Leverage {
         let gram = DMatrix::from_fn(active.len(), active.len(), |row, column| {
             totals[pair(row, column)] / (lengths[row] * lengths[column])
         });
-        let windows = triangles(&places, 1, width);
+        let windows: Vec<Vec<f64>> = places.iter().map(|places| vector::short_triangle(places, width)).collect();
         let scales: Vec<f64> = (0..active.len())
             .flat_map(|row| (0..=row).map(move |column| (row, column)))
             .map(|(row, column)| 1.0 / (lengths[row] * lengths[column]))

@@ -24,7 +24,16 @@ pub(crate) fn covariance(scores: &[Vec<f64>]) -> (DMatrix<f64>, f64) {
     // Neighbours far closer than the bandwidth count as one.
     let group = (half / PLACES_PER_HALF).max(1);
     let width = half.div_ceil(group);
-    let covariance = vector::gram(&triangles(scores, group, width)) * kernel_scale(width);
+    let smooth = scores.chunks(TOGETHER).flat_map(|scores| {
+        let mut places = vec![[0.0; TOGETHER]; rows.div_ceil(group)];
+        for (lane, score) in scores.iter().enumerate() {
+            for (place, part) in places.iter_mut().zip(score.chunks(group)) {
+                place[lane] = part.iter().sum();
+            }
+        }
+        triangles(&places, width).into_iter().take(scores.len())
+    });
+    let covariance = vector::gram(&smooth.collect::<Vec<_>>()) * kernel_scale(width);
     (covariance, 2.0 * (width * group) as f64)
 }
 
@@ -34,22 +43,8 @@ pub(crate) fn kernel_scale(width: usize) -> f64 {
     3.0 / (width * (2.0 * width * width + 1.0))
 }
 
-/// Every series with each `group` of its values summed, then `width` neighbours of those, and these sums again, at every place that
-/// any of the values reaches.
-pub(super) fn triangles(series: &[Vec<f64>], group: usize, width: usize) -> Vec<Vec<f64>> {
-    let smooth = series.chunks(TOGETHER).flat_map(|series| {
-        let mut places = vec![[0.0; TOGETHER]; series[0].len().div_ceil(group)];
-        for (lane, values) in series.iter().enumerate() {
-            for (place, part) in places.iter_mut().zip(values.chunks(group)) {
-                place[lane] = part.iter().sum();
-            }
-        }
-        triangles_together(&places, width).into_iter().take(series.len())
-    });
-    smooth.collect()
-}
-
-fn triangles_together(values: &[[f64; TOGETHER]], width: usize) -> [Vec<f64>; TOGETHER] {
+/// Sums of `width` neighbours, and of those sums again, at every place that any of the values reaches.
+fn triangles(values: &[[f64; TOGETHER]], width: usize) -> [Vec<f64>; TOGETHER] {
     const NOTHING: [f64; TOGETHER] = [0.0; TOGETHER];
     let length = values.len() + 2 * (width - 1);
     let mut smooth = [const { Vec::new() }; TOGETHER];
@@ -88,15 +83,4 @@ fn parzen_bandwidth(scores: &[Vec<f64>], rows: usize) -> f64 {
     let plug_in = if below > 0.0 { 2.6614 * (above / below * rows as f64).powf(0.2) } else { 0.0 };
     // First-order autocorrelations do not see all: a share of the rows.
     plug_in.max((SHARE * rows as f64).clamp(8.0, 64.0)).min((rows as f64 / 8.0).max(1.0))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::triangles;
-
-    #[test]
-    fn a_single_value_becomes_a_triangle() {
-        assert_eq!(triangles(&[vec![1.0]], 1, 3), [[1.0, 2.0, 3.0, 2.0, 1.0]]);
-        assert_eq!(triangles(&[vec![2.0, 1.0]], 1, 1), [[2.0, 1.0]]);
-    }
 }
