@@ -252,18 +252,12 @@ impl<'a> Report<'a> {
 
     fn why_not_identifiable(&self, column: usize, name: &str, half: f64) -> Option<String> {
         let Trimmed { columns, solution, problem, .. } = self.trimmed;
-        let direction = if name.ends_with("_negative") {
-            "negative"
-        } else if name.ends_with("_positive") {
-            "positive"
-        } else {
-            ""
-        };
         if columns[column].iter().all(|value| *value == 0.0) {
-            return Some(if direction.is_empty() {
-                format!("the capture never excites {name}; sweep faster and wider")
-            } else {
-                format!("the knob never slid in the {direction} direction for long enough; sweep both ways")
+            return Some(match name.rsplit_once('_') {
+                Some((_, direction @ ("negative" | "positive"))) => {
+                    format!("the knob never slid in the {direction} direction for long enough; sweep both ways")
+                }
+                _ => format!("the capture never excites {name}; sweep faster and wider"),
             });
         }
         if let Some(with) = self.entangled(column) {

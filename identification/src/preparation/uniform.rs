@@ -28,10 +28,8 @@ pub(crate) struct Uniform {
     /// Time constant of the first-order lag that is still in the acceleration, s.
     pub(crate) acceleration_lag_s: f64,
     pub(crate) torque_mnm: Vec<f64>,
-    /// The torque as it was received, before its delay was taken out, mNm; empty where there was none to take out.
-    received_mnm: Vec<f64>,
-    /// The delay that was taken out, in samples.
-    torque_delay: f64,
+    /// The torque as it was received, mNm, and its delay in samples; `None` where there was none to take out.
+    received: Option<(Vec<f64>, f64)>,
     /// White density of the torque channel's noise, as the upper end of its spectrum shows it, mNm²/Hz.
     pub(crate) torque_density: f64,
     /// Whether the grid point was measured; false inside gaps, and where a sensor stood at its rail or still.
@@ -118,8 +116,7 @@ impl Uniform {
             acceleration_rad_s2: samples.acceleration_rad_s2.map(sampled),
             acceleration_lag_s: 0.0,
             torque_mnm: sampled(samples.torque_mnm),
-            received_mnm: Vec::new(),
-            torque_delay: 0.0,
+            received: None,
             torque_density: 0.0,
             lost: present.iter().filter(|present| !**present).count(),
             present,
@@ -173,7 +170,7 @@ impl Uniform {
 
     /// The torque as it was received, mNm, and by how many samples that is late.
     pub(crate) fn received_torque(&self) -> (&[f64], f64) {
-        if self.received_mnm.is_empty() { (&self.torque_mnm, 0.0) } else { (&self.received_mnm, self.torque_delay) }
+        self.received.as_ref().map_or((&self.torque_mnm, 0.0), |(received_mnm, delay)| (received_mnm, *delay))
     }
 
     /// Noise of the torque channel at full rate, if it is white as the upper end of its spectrum says, mNm.
@@ -186,10 +183,10 @@ impl Uniform {
         for torque in &mut self.torque_mnm {
             *torque -= calibration.torque_zero_mnm;
         }
-        self.torque_delay = calibration.torque_delay_s * self.rate_hz;
-        if self.torque_delay != 0.0 {
-            let prompt = advance(&self.torque_mnm, self.torque_delay);
-            self.received_mnm = std::mem::replace(&mut self.torque_mnm, prompt);
+        let delay = calibration.torque_delay_s * self.rate_hz;
+        if delay != 0.0 {
+            let prompt = advance(&self.torque_mnm, delay);
+            self.received = Some((std::mem::replace(&mut self.torque_mnm, prompt), delay));
         }
         if let Some(acceleration) = &mut self.acceleration_rad_s2 {
             // The sensor's lag stays in for now, and gravity passed it as the motion did.
@@ -207,10 +204,7 @@ impl Uniform {
 /// anything to sort.
 pub(crate) fn typical_step(time: &[f64]) -> (f64, bool) {
     let mean = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
-    let mut farthest = 0.0_f64;
-    for (left, right) in time.iter().zip(&time[1..]) {
-        farthest = farthest.max((right - left - mean).abs());
-    }
+    let farthest = time.iter().zip(&time[1..]).map(|(left, right)| (right - left - mean).abs()).fold(0.0, f64::max);
     if farthest < JITTER * mean {
         return (exact(mean), true);
     }

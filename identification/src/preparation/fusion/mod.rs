@@ -182,6 +182,10 @@ impl BandPass {
 mod tests {
     use std::f64::consts::TAU;
 
+    use rand_distr::{Distribution as _, StandardUniform};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+    use rand_xoshiro::rand_core::SeedableRng as _;
+
     use super::{Sensors, blend, kalman_smoother};
     use crate::preparation::motion::{gradient, low_pass};
     use crate::uncertainty::statistics::rms;
@@ -192,13 +196,8 @@ mod tests {
 
     /// Angle and acceleration of a motion between 1 and 30 Hz, true and as the sensors see it.
     fn motion(seed: u64) -> [Vec<f64>; 4] {
-        let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-        let mut uniform = move || {
-            state ^= state >> 12;
-            state ^= state << 25;
-            state ^= state >> 27;
-            f64::from(u32::try_from(state.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 32).unwrap_or(0)) / 4_294_967_296.0
-        };
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let mut uniform = move || -> f64 { StandardUniform.sample(&mut random) };
         let tones: Vec<(f64, f64, f64)> =
             (0..30).map(|n| (1.0 + f64::from(n) + uniform(), TAU * uniform(), 40.0)).collect();
         let (mut angle, mut acceleration) = (Vec::new(), Vec::new());
