@@ -128,17 +128,13 @@ impl<'a> Prepared<'a> {
         if let Some(curves) = curves {
             trimmed.project_curves_out(curves);
         }
-        let instrumented = options.acceleration == AccelerationUse::ColumnInstrumented && motion.accelerometer;
-        if instrumented {
+        if options.acceleration == AccelerationUse::ColumnInstrumented && motion.accelerometer {
             let encoder = KnobMotion::measured(uniform, band, calibration, AccelerationUse::Encoder);
             trimmed.instrument(&encoder.acceleration_rad_s2);
         }
-        let near = match options.preparation {
-            PreparationMethod::Automatic => row_filter.next_to_standstill(uniform, motion),
-            PreparationMethod::Paper | PreparationMethod::CentralDifferences => None,
-        };
         // Rows beside measured curves are freed of what the curves do at their own samples.
-        let near = near.filter(|_| trimmed.curves.is_none());
+        let can_be_wider = options.preparation == PreparationMethod::Automatic && trimmed.curves.is_none();
+        let near = can_be_wider.then(|| row_filter.next_to_standstill(uniform, motion)).flatten();
         let near = near.map(|near| trimmed.with_rows_of(&near, band, torque_mnm));
         let mut fit = Report::new(&trimmed, band, calibration, near.as_ref()).fit(no_detents);
         Stick::of(uniform, motion, &fit.effects).report(&mut fit.parameters, &mut fit.effects);

@@ -59,12 +59,6 @@ pub(super) enum Side {
     After,
 }
 
-/// A trial of one instant.
-struct Trial {
-    squares: f64,
-    border: Border,
-}
-
 impl Slide<'_> {
     /// The border near one end of a rest; `None` where the knob creeps, is stopped by something else, or the capture ends.
     ///
@@ -84,19 +78,19 @@ impl Slide<'_> {
         let trial = |instant: f64| self.trial(instant, first..last + 1, side, direction);
         // An angle that is still within the noise may have left some time ago.
         let best = (first + window / 4..=last - window / 4)
-            .map(|index| (index, trial(index as f64).squares))
+            .map(|index| (index, trial(index as f64).0))
             .min_by(|a, b| a.1.total_cmp(&b.1))?
             .0;
         let (mut low, mut high) = (best as f64 - 1.0, best as f64 + 1.0);
         for _ in 0..ROUNDS {
             let (left, right) = (low + GOLDEN * (high - low), high - GOLDEN * (high - low));
-            if trial(left).squares <= trial(right).squares {
+            if trial(left).0 <= trial(right).0 {
                 high = right;
             } else {
                 low = left;
             }
         }
-        let Trial { squares, border } = trial(0.5 * (low + high));
+        let (squares, border) = trial(0.5 * (low + high));
         let rms_rad = (squares / (last + 1 - first) as f64).sqrt();
         let limit_rad = FITS * self.noise_rad + LACKING * moved_rad.abs();
         let near = (0.5 * (low + high)).round().max(0.0);
@@ -105,8 +99,8 @@ impl Slide<'_> {
         (rms_rad <= limit_rad).then_some(Border { acceleration_rad_s2, ..border })
     }
 
-    /// Least squares for angle at rest and speed with the instant given.
-    fn trial(&self, instant: f64, window: Range<usize>, side: Side, direction: Direction) -> Trial {
+    /// Least squares for angle at rest and speed with the instant given: the sum of squares left, and the border.
+    fn trial(&self, instant: f64, window: Range<usize>, side: Side, direction: Direction) -> (f64, Border) {
         let displacement = self.displacement(instant, &window, side, direction);
         let left: Vec<f64> =
             window.clone().zip(&displacement).map(|(index, moved)| self.angle_rad[index] - moved).collect();
@@ -114,7 +108,7 @@ impl Slide<'_> {
         let total: f64 = left.iter().map(|value| (value - mean).powi(2)).sum();
         let mut border = Border { instant, direction, speed_rad_s: 0.0, rest_rad: mean, acceleration_rad_s2: 0.0 };
         if side == Side::After {
-            return Trial { squares: total, border };
+            return (total, border);
         }
         let since: Vec<f64> = window.map(|index| (index as f64 - instant).min(0.0) / self.rate_hz).collect();
         let since_mean = statistics::mean(&since);
@@ -125,7 +119,7 @@ impl Slide<'_> {
             border.speed_rad_s = slope * direction.sign();
             border.rest_rad = mean - slope * since_mean;
         }
-        Trial { squares: total - if square > 0.0 { product * product / square } else { 0.0 }, border }
+        (total - if square > 0.0 { product * product / square } else { 0.0 }, border)
     }
 
     /// Distance from rest at every sample of the window for a knob that slides from or up to `instant`, speed zero there.

@@ -121,7 +121,7 @@ impl Blocks {
 pub(super) struct RowFilter {
     fir: Fir,
     step: usize,
-    width: usize,
+    pub(super) width: usize,
     /// The last samples, column by column after each other in a row, twice over so that they lie in one piece.
     history: Vec<f64>,
     next: usize,
@@ -147,10 +147,6 @@ impl RowFilter {
             mask: vec![false; length],
             row: [0.0; MOST_COLUMNS],
         }
-    }
-
-    pub(super) fn width(&self) -> usize {
-        self.width
     }
 
     /// Forgets the history: what follows does not continue it.

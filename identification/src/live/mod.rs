@@ -268,7 +268,7 @@ impl LiveFit {
                 self.backward += 1;
             }
         } else {
-            width = base.filter.width() - 1;
+            width = base.filter.width - 1;
         }
         base.push(&row[..=width], sliding.mask);
         if let Some(Joint { wavenumber, centre_rad, rows }) = joint {
@@ -315,7 +315,7 @@ impl LiveFit {
     }
 
     fn start_joint(&mut self, wavenumber: f64, centre_rad: f64) {
-        let rows = Rows::new(self.rate_hz, self.base.filter.width() + 4);
+        let rows = Rows::new(self.rate_hz, self.base.filter.width + 4);
         self.joint = Some(Joint { wavenumber, centre_rad, rows });
     }
 }

@@ -2,10 +2,10 @@
 
 use dynamics::Calibration;
 
-use super::sampling::Readings;
+use super::sampling::own_readings;
 use super::saturation::{Saturation, frozen, frozen_note};
 use super::spectrum::Spectrum;
-use crate::Samples;
+use crate::samples::{Rows, Samples};
 use crate::uncertainty::statistics::{mean, median};
 
 /// Relative scatter of the sample times from which a capture is interpolated onto an even grid.
@@ -43,11 +43,11 @@ pub(crate) struct Uniform {
 impl Uniform {
     /// Places checked samples on a grid of their median period.
     pub(crate) fn of(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Self {
-        let readings = Readings::of(samples);
-        let samples = &readings.as_ref().map_or(*samples, |readings| readings.rows.samples());
+        let (readings, note) = own_readings(samples).unzip();
+        let samples = &readings.as_ref().map_or(*samples, Rows::samples);
         let mut uniform = Self::on_grid(samples);
         uniform.leave_out_faults(samples, calibration);
-        uniform.notes.extend(readings.map(|readings| readings.note));
+        uniform.notes.extend(note);
         // Before any interpolation, which would take off the upper end.
         let rate_hz = uniform.rate_hz;
         uniform.torque_density = Spectrum::welch(&uniform.torque_mnm, rate_hz).median(0.35 * rate_hz, 0.5 * rate_hz);

@@ -69,8 +69,8 @@ impl Grid {
         Self { highest: self.highest.min((wavenumber / self.unit) as usize).max(self.lowest), ..self }
     }
 
-    /// The wavenumber (1/rad) whose sinusoid explains most of the residual, what it explains, and the mean of all lines.
-    fn strongest(&self, angle_rad: &[f64], residual: &[f64], taken: &[f64]) -> Option<Peak> {
+    /// The wavenumber (1/rad) whose sinusoid explains most of the residual, if it stands out.
+    fn strongest(&self, angle_rad: &[f64], residual: &[f64], taken: &[f64]) -> Option<f64> {
         let transform = fourier::forward(PLACES);
         let (mut sums, mut lines) = (transform.make_input_vec(), transform.make_output_vec());
         for (angle, rest) in angle_rad.iter().zip(residual) {
@@ -88,18 +88,10 @@ impl Grid {
         let mut powers: Vec<f64> = (self.lowest..=highest).map(power).collect();
         let background = 2.0 * background_of(&mut powers);
         let independent = (highest - self.lowest + 1) as f64 / if self.whole_turn { 1.0 } else { PADDING };
-        Some(Peak {
-            wavenumber: best as f64 * self.unit,
-            clear: power(best) > (2.0 * independent.max(1.0).ln() + MARGIN) * background
-                && power(best) > WORTHWHILE * residual.iter().map(|rest| rest * rest).sum::<f64>(),
-        })
+        let is_clear = power(best) > (2.0 * independent.max(1.0).ln() + MARGIN) * background
+            && power(best) > WORTHWHILE * residual.iter().map(|rest| rest * rest).sum::<f64>();
+        is_clear.then_some(best as f64 * self.unit)
     }
-}
-
-/// The strongest line of what is left.
-struct Peak {
-    wavenumber: f64,
-    clear: bool,
 }
 
 /// Adds the sinusoids that stand out and predict what they were not fitted to; returns their wavenumbers, 1/rad.
@@ -113,12 +105,8 @@ pub(super) fn sinusoids(sums: &mut BlockSums, angle_rad: &[f64], grid: &Grid) ->
         let Some(solution) = sums.solve() else { break };
         let residual = sums.residual(&solution.coefficients);
         let Some(peak) = grid.strongest(angle_rad, &residual, &tried) else { break };
-        if !peak.clear {
-            break;
-        }
         let base = sums.width();
-        let wavenumber =
-            if grid.whole_turn { peak.wavenumber } else { refined(sums, angle_rad, peak.wavenumber, grid.unit) };
+        let wavenumber = if grid.whole_turn { peak } else { refined(sums, angle_rad, peak, grid.unit) };
         tried.push(wavenumber);
         push(sums, angle_rad, wavenumber);
         if sums.evidence(base) < PREDICTS {

@@ -129,11 +129,10 @@ pub(crate) fn blend(sensors: &Sensors<'_>) -> Vec<f64> {
         .map(|(sensor, encoder)| sensor - encoder)
         .collect();
     without_gaps(&mut correction, sensors.present);
-    let section = BandPass::new(sensors.equal_hz, sensors.rate_hz);
-    section.run(&mut correction);
-    correction.reverse();
-    section.run(&mut correction);
-    correction.reverse();
+    for _ in 0..2 {
+        band_pass(&mut correction, sensors.equal_hz, sensors.rate_hz);
+        correction.reverse();
+    }
     // Run both ways the band-pass gives G(s)·G(−s), which is −K.
     sensors.angle_rad.iter().zip(&correction).map(|(angle, more)| angle - more).collect()
 }
@@ -150,31 +149,19 @@ fn without_gaps(signal: &mut [f64], present: &[bool]) {
     }
 }
 
-/// s/(s² + √2·ω₀·s + ω₀²) by the bilinear transform, true at ω₀.
-struct BandPass {
-    gain: f64,
-    feedback: [f64; 2],
-}
-
-impl BandPass {
-    fn new(centre_hz: f64, rate_hz: f64) -> Self {
-        let scale = 2.0 * rate_hz;
-        let centre = scale * (PI * centre_hz / rate_hz).tan();
-        let (square, middle, last) = (scale * scale, SQRT_2 * centre * scale, centre * centre);
-        let first = square + middle + last;
-        Self { gain: scale / first, feedback: [2.0 * (last - square) / first, (square - middle + last) / first] }
-    }
-
-    /// Filters in place, from rest.
-    fn run(&self, signal: &mut [f64]) {
-        let [a1, a2] = self.feedback;
-        let (mut in1, mut in2, mut out1, mut out2) = (0.0, 0.0, 0.0, 0.0);
-        for value in signal {
-            let out = self.gain * (*value - in2) - a1 * out1 - a2 * out2;
-            (in2, in1) = (in1, *value);
-            (out2, out1) = (out1, out);
-            *value = out;
-        }
+/// Filters in place, from rest, by s/(s² + √2·ω₀·s + ω₀²) in its bilinear transform, true at ω₀.
+fn band_pass(signal: &mut [f64], centre_hz: f64, rate_hz: f64) {
+    let scale = 2.0 * rate_hz;
+    let centre = scale * (PI * centre_hz / rate_hz).tan();
+    let (square, middle, last) = (scale * scale, SQRT_2 * centre * scale, centre * centre);
+    let first = square + middle + last;
+    let (gain, a1, a2) = (scale / first, 2.0 * (last - square) / first, (square - middle + last) / first);
+    let (mut in1, mut in2, mut out1, mut out2) = (0.0, 0.0, 0.0, 0.0);
+    for value in signal {
+        let out = gain * (*value - in2) - a1 * out1 - a2 * out2;
+        (in2, in1) = (in1, *value);
+        (out2, out1) = (out1, out);
+        *value = out;
     }
 }
 
