@@ -4,9 +4,8 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use dynamics::Direction;
 
-use crate::preparation::spectrum::line;
 use crate::samples::{FitError, Samples, span};
-use crate::uncertainty::statistics::{mean, median, running, runs, student_95};
+use crate::uncertainty::statistics::{line, mean, median, running, runs, student_95};
 
 /// Agreement of the two directions' torques over angle from which they show detents, as a correlation.
 const REPEATS: f64 = 0.5;

@@ -172,9 +172,9 @@ pub(super) fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed
     let (columns, extended) = problem.solve_with(&with_delay);
     let delay_index = columns.len() - 1;
     let delay_s = extended.coefficients[delay_index];
-    let significant = delay_s.abs() > DELAY_SIGNIFICANCE * extended.robust_deviation(&columns, delay_index)
-        && extended.improves(solution);
     let left = |solution: &LeastSquares| dot(&solution.residual, &solution.residual);
+    let significant = delay_s.abs() > DELAY_SIGNIFICANCE * extended.robust_deviation(&columns, delay_index)
+        && left(&extended) < (1.0 - 1e-6) * left(solution);
     let small = delay_s.abs() <= LARGEST_DELAY_SAMPLES / problem.row_filter.rate_hz;
     if significant && small {
         // The delay shifts the searched parameters too: the column takes it out, then they settle again.

@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
 
 use crate::numerics::fourier;
-use crate::numerics::vector::{self, dot};
-use crate::uncertainty::statistics::{mean, median, running};
+use crate::numerics::vector;
+use crate::uncertainty::statistics::{line, mean, median, running};
 
 /// Longest window of the spectrum, samples: it must tell a motion of 1 Hz from none at 20 kHz.
 const LONGEST_WINDOW: usize = 1 << 15;
@@ -110,15 +110,6 @@ pub(crate) fn white_density(signal: &[f64], rate_hz: f64) -> f64 {
     Spectrum::welch(&second, rate_hz).median_of(0.3 * rate_hz..=0.45 * rate_hz, |frequency_hz, density| {
         density / (2.0 * (PI * frequency_hz / rate_hz).sin()).powi(4)
     })
-}
-
-/// Mean and slope per sample of the straight line through a signal at `places` 0, 1, ….
-pub(crate) fn line(signal: &[f64], places: &[f64]) -> (f64, f64) {
-    let count = signal.len() as f64;
-    let middle = 0.5 * (count - 1.0);
-    let mean = vector::sum(signal) / count;
-    let moment = dot(places, signal) - middle * count * mean;
-    (mean, moment / (count * (count * count - 1.0) / 12.0))
 }
 
 /// The motion and the noise in an angle's spectrum.

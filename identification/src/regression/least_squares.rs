@@ -165,11 +165,6 @@ impl LeastSquares {
         solution
     }
 
-    /// Whether it leaves less than another solution of the same target.
-    pub(crate) fn improves(&self, other: &Self) -> bool {
-        dot(&self.residual, &self.residual) < (1.0 - 1e-6) * dot(&other.residual, &other.residual)
-    }
-
     /// The columns that were fitted.
     fn active(&self) -> Vec<usize> {
         (0..self.coefficients.len()).filter(|column| !self.collinear[*column] && !self.at_zero[*column]).collect()
@@ -192,7 +187,8 @@ impl LeastSquares {
 
     /// The columns' products with the residual, row by row.
     fn scores<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> Vec<Vec<f64>> {
-        columns.iter().map(|column| vector::multiply(column, &self.residual)).collect()
+        let score = |column: &C| column.iter().zip(&self.residual).map(|(value, left)| value * left).collect();
+        columns.iter().map(score).collect()
     }
 
     /// Covariance of the coefficients for residuals of unknown autocorrelation and varying size.

@@ -6,7 +6,7 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::numerics::vector::dot;
+use crate::numerics::vector::{self, dot};
 
 /// Two-sided 95 % of the normal distribution, in standard deviations.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -111,6 +111,15 @@ pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     }
     let index = (share * (values.len() - 1) as f64).round() as usize;
     *values.select_nth_unstable_by(index, f64::total_cmp).1
+}
+
+/// Mean and slope per sample of the straight line through a signal at `places` 0, 1, ….
+pub(crate) fn line(signal: &[f64], places: &[f64]) -> (f64, f64) {
+    let count = signal.len() as f64;
+    let middle = 0.5 * (count - 1.0);
+    let mean = vector::sum(signal) / count;
+    let moment = dot(places, signal) - middle * count * mean;
+    (mean, moment / (count * (count * count - 1.0) / 12.0))
 }
 
 /// What `of` makes of every value and up to `reach` neighbours on either side of it.

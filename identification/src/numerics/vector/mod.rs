@@ -147,11 +147,6 @@ pub(crate) fn sum(values: &[f64]) -> f64 {
     })
 }
 
-/// Row by row product of two columns.
-pub(crate) fn multiply(left: &[f64], right: &[f64]) -> Vec<f64> {
-    left.iter().zip(right).map(|(left, right)| left * right).collect()
-}
-
 /// `xᵀ·matrix·x` for the symmetric `matrix` and every row x of the columns.
 pub(crate) fn quadratic_form<C: Deref<Target = [f64]>>(columns: &[C], matrix: &DMatrix<f64>, output: &mut [f64]) {
     let rows = output.len();

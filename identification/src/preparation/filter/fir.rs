@@ -75,17 +75,9 @@ impl Fir {
         if input.is_empty() {
             return Vec::new();
         }
-        let half = self.half_length();
-        let pad = half.min(input.len() - 1);
-        let extended = extended(input, pad);
+        let pad = self.half_length().min(input.len() - 1);
         let mut output = vec![0.0; input.len()];
-        if pad == half {
-            vector::decimate(&extended, &self.taps, 1, &mut output);
-        } else {
-            for (slot, centre) in output.iter_mut().zip(pad..) {
-                *slot = self.at(&extended, centre);
-            }
-        }
+        self.decimate_part(&extended(input, pad), pad, 1, &mut output);
         output
     }
 
