@@ -50,7 +50,7 @@ impl<'a> Report<'a> {
     ) -> Self {
         let mut robust = trimmed.solution.robust(trimmed.instruments.as_ref().unwrap_or(&trimmed.columns));
         if let Some(curves) = &trimmed.curves {
-            robust.enlarge(curves.count());
+            robust.enlarge(curves.points.len());
         }
         let misfit = Misfit::of(trimmed, near, &robust);
         Self { trimmed, band, calibration, robust, textbook: trimmed.solution.textbook_covariance(), misfit }

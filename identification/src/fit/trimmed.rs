@@ -138,7 +138,7 @@ impl<'a> Trimmed<'a> {
         *target = beyond.into();
         let mut nonnegative = problem.nonnegative.clone();
         nonnegative.resize(columns.len(), false);
-        let share = 1.0 - curves.count() as f64 / target.len() as f64;
+        let share = 1.0 - curves.points.len() as f64 / target.len() as f64;
         let noise = problem.column_noise().into_iter();
         let noise: Vec<Correction> = noise
             .map(|noise| Correction { square: share * noise.square, product: share * noise.product, ..noise })

@@ -381,11 +381,12 @@ fn smoother(cutoff_hz: f64, rate_hz: f64) -> Fir {
 fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
     /// Samples that are differentiated together.
     const BLOCK: usize = 2048;
-    let size = rms(column);
-    if !(size > 0.0 && is_smooth(column, EXACT * size)) {
+    let (length, size) = (column.len(), rms(column));
+    // Motion hardly shows in fourth differences.
+    let smooth = vector::small_fourth_differences(column, EXACT * size * MEDIAN_FOURTH_DIFFERENCE);
+    if !(size > 0.0 && 2 * smooth > length.saturating_sub(4)) {
         return false;
     }
-    let length = column.len();
     let (mut lag, mut weight, mut square) = (0.0, 0.0, 0.0);
     for start in (0..length).step_by(BLOCK) {
         let end = (start + BLOCK).min(length);
@@ -410,11 +411,6 @@ pub(crate) fn scatter(signal: &[f64]) -> f64 {
     let mut fourth: Vec<f64> =
         signal.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
     median(&mut fourth) / MEDIAN_FOURTH_DIFFERENCE
-}
-
-/// Whether white noise, as the median of the fourth differences shows it, lies below `limit`; motion hardly shows there.
-fn is_smooth(signal: &[f64], limit: f64) -> bool {
-    2 * vector::small_fourth_differences(signal, limit * MEDIAN_FOURTH_DIFFERENCE) > signal.len().saturating_sub(4)
 }
 
 /// A signal without its first-order lag, as accelerometers have at their output: lag times rate is added.

@@ -181,7 +181,7 @@ pub(crate) struct Measured {
 /// The projection of columns on those of measured curves. What it leaves of the other columns gives their coefficients, and how well they
 /// are known, as a fit of all together does (R. Frisch and F. V. Waugh, Econometrica 1, 1933, 387–401).
 pub(crate) struct CurveProjection {
-    points: Vec<Vec<f64>>,
+    pub(crate) points: Vec<Vec<f64>>,
     products: DMatrix<f64>,
 }
 
@@ -202,11 +202,6 @@ impl CurveProjection {
             })
             .collect();
         Self { products: vector::gram(&points), points }
-    }
-
-    /// Number of points.
-    pub(crate) fn count(&self) -> usize {
-        self.points.len()
     }
 
     /// What the points cannot do of a column; nothing where only rounding is left.
