@@ -249,7 +249,8 @@ pub(crate) const NEIGHBOURS: [f64; 4] = [-1.0, 0.0, 1.0, 2.0];
 /// Lagrange's weights of the values at four places for that of the cubic through them at another.
 pub(crate) fn cubic_weights(places: [f64; 4], at: f64) -> [f64; 4] {
     let others = |one: f64| places.into_iter().filter(move |other| *other != one);
-    places.map(|one| others(one).map(|other| (at - other) / (one - other)).product())
+    let product = |from: f64, one: f64| others(one).map(|other| from - other).product::<f64>();
+    places.map(|one| product(at, one) / product(one, one))
 }
 
 /// The signal `shift` samples later, interpolated by cubic polynomials; the ends are held.
