@@ -2,9 +2,10 @@
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use dynamics::{Axis, Effect, Model, Motion, effects};
+use dynamics::{Axis, Effect, Model, Motion, ParameterKind, effects};
 
 use crate::regression::characteristic::MeasuredCurve;
+use crate::uncertainty::statistics::{mean, rms};
 
 /// A fitted parameter, or the reason why the data cannot identify it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -27,9 +28,13 @@ pub struct Parameter {
 }
 
 impl Parameter {
+    pub(crate) fn estimated(kind: &ParameterKind, value: f64, ci95: Option<[f64; 2]>) -> Self {
+        Self { name: kind.name, value: Some(value), unit: kind.unit, ci95, ci95_textbook: None, reason: None }
+    }
+
     /// A parameter that the data cannot identify.
-    pub(crate) fn not_identifiable(name: &'static str, unit: &'static str, reason: String) -> Self {
-        Self { name, value: None, unit, ci95: None, ci95_textbook: None, reason: Some(reason) }
+    pub(crate) fn not_identifiable(kind: &ParameterKind, reason: String) -> Self {
+        Self { name: kind.name, value: None, unit: kind.unit, ci95: None, ci95_textbook: None, reason: Some(reason) }
     }
 }
 
@@ -73,7 +78,7 @@ pub struct Covariance {
 }
 
 /// One sinusoid of the angle.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Harmonic {
     /// Multiple of the detent that it is, the detent itself being 1; `None` if it is no multiple.
     pub order: Option<u32>,
@@ -127,7 +132,7 @@ impl Point {
 }
 
 /// How the data were prepared: every choice that the fit made by itself.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Preparation {
     /// How the capture was prepared: `automatic`, `paper`, `central-differences`, or `quasi-static` where the knob
     /// turned too slowly for anything else.
@@ -159,7 +164,7 @@ pub struct Preparation {
 /// Serialises to the JSON that `fit --json` gives. Residual, relative error and mean interval are
 /// those of the `rows`: torque and model, both masked where the knob may stick, low-passed to
 /// [`Preparation::band_hz`] and decimated.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Fit {
     /// The parameters with intervals or reasons.
     pub parameters: Parameters,
@@ -206,6 +211,20 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// The fit with the rows that were compared, and with what these tell in sum.
+    pub(crate) fn compared(self, points: Vec<Point>) -> Self {
+        let rms_of = |value: fn(&Point) -> f64| rms(&points.iter().map(value).collect::<Vec<_>>());
+        let residual_rms_mnm = rms_of(|point| point.residual_mnm);
+        Self {
+            residual_rms_mnm,
+            relative_error_percent: 100.0 * residual_rms_mnm / rms_of(|point| point.torque_mnm),
+            mean_ci95_mnm: mean(points.iter().map(|point| point.torque_model_ci95_mnm)),
+            rows: points.len(),
+            points,
+            ..self
+        }
+    }
+
     /// The fitted model.
     ///
     /// A friction that the data did not identify in one direction is taken from the other; other

@@ -46,7 +46,7 @@ pub use fit::fit;
 pub use options::{AccelerationUse, FitOptions, PreparationMethod};
 pub use preparation::encoder_step::encoder_step;
 pub use preparation::filter;
-pub use preparation::knob_motion::knob_motion;
+pub use preparation::motion::knob_motion;
 pub use regression::characteristic::{CharacteristicPoint, MeasuredCurve};
 pub use samples::{FEWEST_SAMPLES, FitError, Samples};
 pub use uncertainty::statistics;

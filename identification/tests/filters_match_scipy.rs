@@ -43,7 +43,7 @@ fn designs_have_the_sections_that_scipy_gives() {
 #[test]
 fn filtering_gives_what_scipy_gives() {
     each_design(|input, design, sections| {
-        assert!(worst(&sections.filter(&numbers(input)), &numbers(&design["filtered"])) < 1e-9);
+        assert!(worst(&sections.filter(&numbers(input), 0.0), &numbers(&design["filtered"])) < 1e-9);
     });
 }
 
@@ -60,10 +60,9 @@ fn the_windowed_low_pass_has_the_taps_that_scipy_gives() {
 }
 
 #[test]
-fn a_filter_that_cannot_be_says_why() {
-    let error = butterworth_low_pass(4, 3000.0, 5000.0).unwrap_err().to_string();
-    assert_eq!(error, "the filter's edge of 3000 Hz must lie above 0 and below half the sample rate of 5000 Hz");
-    assert!(chebyshev2_low_pass(0, 20.0, 100.0, 5000.0).is_err());
+fn a_filter_that_cannot_be_is_none() {
+    assert!(butterworth_low_pass(4, 3000.0, 5000.0).is_none());
+    assert!(chebyshev2_low_pass(0, 20.0, 100.0, 5000.0).is_none());
 }
 
 #[test]

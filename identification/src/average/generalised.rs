@@ -10,8 +10,8 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use super::observation::Observation;
-use super::{Agreement, position, scalar};
+use super::observation::{Observation, position};
+use super::{Agreement, scalar};
 
 /// Added to the ones of each correlation matrix, so that rounding does not make it indefinite.
 const RIDGE: f64 = 1e-9;
@@ -127,17 +127,13 @@ impl Problem<'_> {
         for observation in self.observations {
             let places = self.places(observation);
             let (Some(factor), deviations) = self.factor(observation, weighing) else { continue };
+            // The observation of the mean, both counted in their own units.
+            let design = DMatrix::from_fn(places.len(), count, |row, column| {
+                if places[row] == column { scales[column] / deviations[row] } else { 0.0 }
+            });
             let whitened = |at: usize| (observation.values[at] - origin[places[at]]) / deviations[at];
-            let solved = factor.solve(&DVector::from_fn(places.len(), |at, _| whitened(at)));
-            let inverse = factor.inverse();
-            let mut weight = DMatrix::<f64>::zeros(count, count);
-            for (row, place) in places.iter().enumerate() {
-                let share = scales[*place] / deviations[row];
-                right[*place] += share * solved[row];
-                for (column, other) in places.iter().enumerate() {
-                    weight[(*place, *other)] = share * inverse[(row, column)] * scales[*other] / deviations[column];
-                }
-            }
+            right += design.tr_mul(&factor.solve(&DVector::from_fn(places.len(), |at, _| whitened(at))));
+            let weight = design.tr_mul(&factor.solve(&design));
             middle += &weight * &widening * &weight;
             normal += weight;
         }
@@ -158,7 +154,6 @@ impl Problem<'_> {
     /// With ν degrees of freedom of each covariance, Johansen's sum over the observations
     /// A = Σ (tr Mᵢ² + (tr Mᵢ)²)/2νᵢ, Mᵢ = 1 − H⁻¹·Vᵢ⁻¹ and H = Σ Vᵢ⁻¹, gives the law χ² ~ c·F(f, f₂) with f₂ = f·(f + 2)/3A
     /// and c = f + 2A − 6A/(f + 2).
-    #[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
     fn agreement(&self, (mean, of_mean): &(DVector<f64>, DMatrix<f64>)) -> Option<Agreement> {
         let none = vec![0.0; self.names.len()];
         let (mut chi_squared, mut estimated, mut uncertain) = (0.0, 0, 0.0);
@@ -175,15 +170,11 @@ impl Problem<'_> {
             if joint.is_empty() {
                 continue;
             }
-            let own = factor.inverse();
+            let taken = DMatrix::from_fn(places.len(), places.len(), |row, column| {
+                of_mean[(places[row], places[column])] / deviations[column]
+            }) * factor.inverse();
             let free = DMatrix::from_fn(joint.len(), joint.len(), |row, column| {
-                let taken: f64 = (0..places.len())
-                    .map(|at| {
-                        of_mean[(places[joint[row]], places[at])] / deviations[at] * own[(at, joint[column])]
-                            / deviations[joint[column]]
-                    })
-                    .sum();
-                f64::from(u8::from(row == column)) - taken
+                f64::from(row == column) - taken[(joint[row], joint[column])] / deviations[joint[column]]
             });
             uncertain += ((&free * &free).trace() + free.trace().powi(2)) / (2.0 * observation.degrees_of_freedom);
             for (at, place) in places.iter().enumerate().filter(|(at, _)| observation.joint[*at]) {

@@ -9,27 +9,29 @@
 //! would take the weight off the better one.
 
 mod generalised;
-mod model_torque;
 mod observation;
-mod reference;
-mod repeatability;
 mod scalar;
 
 use std::collections::BTreeMap;
 
 use dynamics::{Effect, Model, effects};
+use nalgebra::DMatrix;
 
-use crate::estimate::{Covariance, Fit, Parameter, Parameters};
-use crate::uncertainty::statistics::{self, NORMAL_95};
-use observation::Observation;
+use crate::estimate::{Covariance, Fit, Parameter, Parameters, Point};
+use crate::uncertainty::statistics::{self, NORMAL_95, deviation_of_sum};
+use observation::{Observation, PERIOD, PHASE};
 
-pub use repeatability::{Estimated, Repeatability};
-pub(crate) use scalar::{Combined, combined, wrapped};
+pub use scalar::Estimated;
+pub(crate) use scalar::{combined, wrapped};
 
 /// Captures that differ by this multiple of what their intervals allow are not of the same knob, or one went wrong.
 const GROSS: f64 = 5.0;
 /// Probability of the disagreement below which it is worth a note, and captures count alike.
 const UNLIKELY: f64 = 1e-3;
+/// Points of each capture at which the combined torque's interval is taken.
+const POINTS: usize = 400;
+/// Step of a parameter for the torque's derivative, in standard deviations.
+const STEP: f64 = 1e-3;
 
 /// Whether captures differ by more than their covariances allow.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -68,6 +70,59 @@ pub struct Average {
     pub repeatability: BTreeMap<&'static str, Repeatability>,
 }
 
+/// How one parameter repeats from capture to capture.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Repeatability {
+    /// The values, capture by capture; `None` where a capture did not identify it.
+    pub values: Vec<Option<f64>>,
+    /// The same with intervals as they were compared: phases at [`Repeatability::at_angle_rad`], on one turn.
+    pub compared: Vec<Option<Estimated>>,
+    /// The mean as it compares with them.
+    pub mean: Estimated,
+    /// Angle at which phases were compared, rad; `None` of other parameters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_angle_rad: Option<f64>,
+    /// Largest minus smallest value as compared.
+    pub difference: f64,
+    /// 95 % interval of that difference from the two captures' own intervals: ± this.
+    pub difference_ci95: f64,
+    /// The difference over its interval; above 1 the captures differ by more than their intervals allow.
+    pub ratio: f64,
+    /// Unit of values and differences.
+    pub unit: &'static str,
+}
+
+impl Repeatability {
+    /// Of a parameter that at least two captures told.
+    fn of(
+        parameter: &Parameter,
+        fits: &[Fit],
+        observations: &[Observation],
+        mean: &Observation,
+        common_angle_rad: f64,
+    ) -> Option<Self> {
+        let compared: Vec<Option<Estimated>> = observations.iter().map(|one| one.estimate(parameter.name)).collect();
+        let known = || compared.iter().flatten();
+        if known().count() < 2 {
+            return None;
+        }
+        let least = known().min_by(|a, b| a.value.total_cmp(&b.value))?;
+        let most = known().max_by(|a, b| a.value.total_cmp(&b.value))?;
+        let difference = most.value - least.value;
+        let difference_ci95 = least.half_width.hypot(most.half_width);
+        Some(Self {
+            values: fits.iter().map(|fit| fit.parameters.get(parameter.name).and_then(|own| own.value)).collect(),
+            mean: mean.estimate(parameter.name)?,
+            at_angle_rad: (parameter.name == PHASE).then_some(common_angle_rad),
+            difference,
+            difference_ci95,
+            ratio: if difference_ci95 > 0.0 { difference / difference_ci95 } else { 0.0 },
+            unit: parameter.unit,
+            compared,
+        })
+    }
+}
+
 impl Average {
     /// The combined model.
     #[must_use]
@@ -82,9 +137,10 @@ impl Average {
 pub fn average(fits: &[Fit]) -> Option<Average> {
     // The fit that knows most effects lends the list of parameters.
     let most = fits.iter().max_by_key(|fit| fit.effects().len())?;
-    let common_angle_rad = reference::common_angle_rad(fits);
+    let common_angle_rad =
+        statistics::mean(fits.iter().map(|fit| statistics::mean(fit.points.iter().map(|point| point.angle_rad))));
     let mut observations: Vec<Observation> = fits.iter().map(Observation::of).collect();
-    reference::to_angle(&mut observations, common_angle_rad);
+    observation::to_angle(&mut observations, common_angle_rad);
     let (mut mean, agreement) = generalised::mean(&observations);
     let repeatability: BTreeMap<_, _> = most
         .parameters
@@ -95,7 +151,7 @@ pub fn average(fits: &[Fit]) -> Option<Average> {
             Some((parameter.name, record))
         })
         .collect();
-    reference::back_to_zero(&mut mean, common_angle_rad);
+    mean.back_to_zero(common_angle_rad);
 
     let mut fit = most.clone();
     fit.parameters = Parameters(most.parameters.0.iter().map(|parameter| with_mean(parameter, &mean)).collect());
@@ -105,31 +161,17 @@ pub fn average(fits: &[Fit]) -> Option<Average> {
     fit.covariance = covariance(&mean);
     let own = statistics::mean(fits.iter().map(|one| one.mean_ci95_mnm));
     let textbook = statistics::mean(fits.iter().map(|one| one.mean_ci95_textbook_mnm));
-    fit.mean_ci95_mnm = model_torque::mean_half_width_mnm(&fit, fits);
+    fit.mean_ci95_mnm = mean_half_width_mnm(&fit, fits);
     fit.mean_ci95_textbook_mnm = if own > 0.0 { textbook * fit.mean_ci95_mnm / own } else { textbook };
     Some(Average { fit, captures: fits.len(), agreement, repeatability })
 }
 
-fn position(names: &[&'static str], name: &str) -> Option<usize> {
-    names.iter().position(|known| *known == name)
-}
-
 fn with_mean(parameter: &Parameter, mean: &Observation) -> Parameter {
-    let Some((value, half_width)) = mean.estimate(parameter.name) else { return parameter.clone() };
-    Parameter {
-        value: Some(value),
-        ci95: Some(bounded(parameter, value, half_width)),
-        ci95_textbook: None,
-        reason: None,
-        ..parameter.clone()
-    }
-}
-
-/// An interval that stays above zero where the first capture's did.
-fn bounded(parameter: &Parameter, value: f64, half_width: f64) -> [f64; 2] {
-    let floor = parameter.ci95.is_some_and(|[low, _]| low == 0.0);
-    let low = value - half_width;
-    [if floor { low.max(0.0) } else { low }, value + half_width]
+    let Some(Estimated { value, half_width }) = mean.estimate(parameter.name) else { return parameter.clone() };
+    // The interval stays above zero where the first capture's did.
+    let floor = if parameter.ci95.is_some_and(|[low, _]| low == 0.0) { 0.0 } else { f64::NEG_INFINITY };
+    let ci95 = Some([(value - half_width).max(floor), value + half_width]);
+    Parameter { value: Some(value), ci95, ci95_textbook: None, reason: None, ..parameter.clone() }
 }
 
 /// Covariance of the mean, of the parameters whose covariance a fit gave.
@@ -167,7 +209,7 @@ fn notes(
             gross.join(", ")
         ));
     }
-    let shows = |fit: &&Fit| fit.parameters.get(reference::PERIOD).is_some_and(|period| period.value.is_some());
+    let shows = |fit: &&Fit| fit.parameters.get(PERIOD).is_some_and(|period| period.value.is_some());
     let with = fits.iter().filter(shows).count();
     if with > 0 && with < fits.len() {
         notes.push(format!("{with} of {} captures show detents; the others take no part in theirs", fits.len()));
@@ -176,7 +218,6 @@ fn notes(
 }
 
 /// Residual, relative error and counts of all captures together.
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 fn sums(combined: &mut Fit, fits: &[Fit]) {
     let (mut residual, mut torque, mut rows) = (0.0, 0.0, 0);
     for fit in fits {
@@ -206,4 +247,40 @@ fn with_values(effect: &Effect, parameters: &Parameters) -> Effect {
         }
     }
     effect
+}
+
+/// Mean half width of the 95 % interval of the torque of `combined`, over the motion of all captures, mNm.
+fn mean_half_width_mnm(combined: &Fit, fits: &[Fit]) -> f64 {
+    let base = Model { effects: combined.effects().to_vec(), ..Model::default() };
+    let known = &combined.covariance;
+    let count = known.order.len();
+    let covariance = DMatrix::from_fn(count, count, |row, column| known.rows[row][column]);
+    let shifted: Vec<Option<(Model, f64)>> =
+        known.order.iter().enumerate().map(|(at, name)| shifted(&base, name, known.rows[at][at].sqrt())).collect();
+    let half_width = |point: &Point| {
+        let motion = point.motion();
+        let torque_mnm = base.torque_mnm(&motion);
+        let gradient: Vec<f64> = shifted
+            .iter()
+            .map(|one| one.as_ref().map_or(0.0, |(model, step)| (model.torque_mnm(&motion) - torque_mnm) / step))
+            .collect();
+        known.critical * deviation_of_sum(&covariance, &gradient)
+    };
+    statistics::mean(fits.iter().flat_map(|fit| {
+        let every = fit.points.len().div_ceil(POINTS).max(1);
+        fit.points.iter().step_by(every).map(half_width)
+    }))
+}
+
+/// The model with one parameter a step further, and the step; `None` if it has no such parameter or that is exact.
+fn shifted(base: &Model, name: &str, deviation: f64) -> Option<(Model, f64)> {
+    let mut model = base.clone();
+    let (effect, slot) = model.effects.iter().enumerate().find_map(|(index, effect)| {
+        effect.kind().parameters.iter().position(|parameter| parameter.name == name).map(|slot| (index, slot))
+    })?;
+    let value = model.effects[effect].values_mut().get_mut(slot)?;
+    let before = *value;
+    *value += STEP * deviation;
+    let step = *value - before;
+    (step > 0.0).then_some((model, step))
 }

@@ -1,11 +1,22 @@
 //! What one capture tells: a vector of parameters with its covariance.
+//!
+//! A detent's θ/P + S turns about the angle around which a capture lies, and S, the phase at angle zero, follows P wherever that
+//! is elsewhere. So phases are compared and combined at the mean angle of all captures, on the circle, and taken back
+//! to angle zero with the combined period.
 
 use nalgebra::DMatrix;
 
-use super::position;
-use super::reference::{PERIOD, PHASE};
+use super::scalar::{Estimated, wrapped};
 use crate::estimate::{Fit, Parameter};
 use crate::uncertainty::statistics::NORMAL_95;
+
+pub(super) const PHASE: &str = "detent_phase";
+pub(super) const PERIOD: &str = "detent_period";
+
+/// The place of a name among others.
+pub(super) fn position(names: &[&'static str], name: &str) -> Option<usize> {
+    names.iter().position(|known| *known == name)
+}
 
 /// Parameters that a capture told, in their own order.
 #[derive(Clone, Debug)]
@@ -56,7 +67,7 @@ impl Observation {
     /// Takes the phase of the detents `by_rad` further along; returns it with its weight.
     ///
     /// S + θ/P has the derivative −θ/P² by P, so the covariance turns with it.
-    pub(super) fn move_phase(&mut self, by_rad: f64) -> Option<(f64, f64)> {
+    fn move_phase(&mut self, by_rad: f64) -> Option<(f64, f64)> {
         let phase = position(&self.names, PHASE)?;
         if let Some(period) = position(&self.names, PERIOD) {
             let period_rad = self.values[period];
@@ -68,10 +79,34 @@ impl Observation {
         Some((self.values[phase], 1.0 / self.covariance[(phase, phase)].max(1e-18)))
     }
 
+    /// Takes a phase at `angle_rad` to angle zero, within half a turn of it.
+    pub(super) fn back_to_zero(&mut self, angle_rad: f64) {
+        self.move_phase(-angle_rad);
+        if let Some(at) = position(&self.names, PHASE) {
+            self.values[at] = wrapped(self.values[at]);
+        }
+    }
+
     /// A parameter with the half width of its interval.
-    pub(super) fn estimate(&self, name: &str) -> Option<(f64, f64)> {
+    pub(super) fn estimate(&self, name: &str) -> Option<Estimated> {
         let at = position(&self.names, name)?;
-        Some((self.values[at], NORMAL_95 * self.covariance[(at, at)].max(0.0).sqrt()))
+        let half_width = NORMAL_95 * self.covariance[(at, at)].max(0.0).sqrt();
+        Some(Estimated { value: self.values[at], half_width })
+    }
+}
+
+/// Takes every capture's phase from angle zero to `angle_rad`, all on the same turn of the circle.
+pub(super) fn to_angle(observations: &mut [Observation], angle_rad: f64) {
+    let (mut sine, mut cosine) = (0.0, 0.0);
+    for observation in observations.iter_mut() {
+        let Some((phase, weight)) = observation.move_phase(angle_rad) else { continue };
+        sine += weight * phase.sin();
+        cosine += weight * phase.cos();
+    }
+    let centre_rad = sine.atan2(cosine);
+    for observation in observations {
+        let Some(at) = position(&observation.names, PHASE) else { continue };
+        observation.values[at] = centre_rad + wrapped(observation.values[at] - centre_rad);
     }
 }
 

@@ -5,14 +5,16 @@ use std::f64::consts::{PI, TAU};
 use crate::uncertainty::statistics::NORMAL_95;
 
 /// A value with the half width of its 95 % interval.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Combined {
-    pub(crate) value: f64,
-    pub(crate) half_width: f64,
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Estimated {
+    /// Value.
+    pub value: f64,
+    /// Half width of its 95 % interval.
+    pub half_width: f64,
 }
 
 /// The weighted mean of values with half widths, scatter between them included.
-pub(crate) fn combined(estimated: &[(f64, f64)]) -> Combined {
+pub(crate) fn combined(estimated: &[(f64, f64)]) -> Estimated {
     let smallest = estimated.iter().map(|one| one.1).filter(|half| *half > 0.0).fold(f64::INFINITY, f64::min);
     // A value without an interval counts like the best one; without any, all count alike.
     let floor = if smallest.is_finite() { smallest } else { 1.0 };
@@ -21,12 +23,11 @@ pub(crate) fn combined(estimated: &[(f64, f64)]) -> Combined {
     let between = between(&known);
     let (value, total) = weighted(&known, between);
     let uncertain = smallest.is_finite() || between > 0.0;
-    Combined { value, half_width: if uncertain { NORMAL_95 / total.sqrt() } else { 0.0 } }
+    Estimated { value, half_width: if uncertain { NORMAL_95 / total.sqrt() } else { 0.0 } }
 }
 
 /// Variance from one value to the next that their own variances do not explain, zero if they do, after
 /// DerSimonian and Laird.
-#[allow(clippy::cast_precision_loss, reason = "a number of captures")]
 pub(super) fn between(known: &[(f64, f64)]) -> f64 {
     let (fixed, total) = weighted(known, 0.0);
     let excess: f64 = known.iter().map(|(value, own)| (value - fixed).powi(2) / own).sum();

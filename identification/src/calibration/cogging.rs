@@ -60,22 +60,33 @@ pub fn cogging(
     }
     let taken_mnm = motors_share_mnm(samples, commanded_mnm, known)?;
     let uniform = Uniform::of(&Samples { torque_mnm: &taken_mnm, ..*samples }, None);
-    let rows = Rows::of(&uniform, known);
-    if rows.speed_rad_s > FASTEST_RAD_S || rows.fastest_rad_s > (1.0 + STEADY) * rows.speed_rad_s {
+    let rate_hz = uniform.rate_hz;
+    let edge_hz = EDGE_HZ.min(0.2 * rate_hz);
+    let band = Band { edge_hz, rate_hz };
+    let angle_rad = band.smooth(&uniform.angle_rad);
+    let velocity = gradient(&angle_rad, rate_hz);
+    let acceleration = gradient(&velocity, rate_hz);
+    let torque_mnm = band.smooth(&uniform.torque_mnm);
+    let mut speeds: Vec<f64> = velocity.iter().map(|velocity| velocity.abs()).collect();
+    let fastest_rad_s = speeds.iter().copied().fold(0.0, f64::max);
+    let speed_rad_s = median(&mut speeds);
+    if speed_rad_s > FASTEST_RAD_S || fastest_rad_s > (1.0 + STEADY) * speed_rad_s {
         return Err(refused(format!(
-            "it turned with {:.2} rad/s as a rule and {:.2} rad/s at most, not slowly and steadily",
-            rows.speed_rad_s, rows.fastest_rad_s
+            "it turned with {speed_rad_s:.2} rad/s as a rule and {fastest_rad_s:.2} rad/s at most, not slowly and steadily"
         )));
     }
-    let of_direction = |sign: f64| -> Vec<f64> {
-        rows.directions.iter().map(|direction| if *direction == sign { sign } else { 0.0 }).collect()
-    };
-    let base = [of_direction(-1.0), of_direction(1.0)];
+    let step = whole(rate_hz / (ROWS_PER_EDGE * edge_hz)).max(1);
+    let is_steady = |row: &usize| uniform.present[*row] && velocity[*row].abs() > TURNING * speed_rad_s;
+    let rows: Vec<usize> = (0..angle_rad.len()).step_by(step).filter(is_steady).collect();
+    let at_rows = |of: &dyn Fn(usize) -> f64| rows.iter().map(|row| of(*row)).collect::<Vec<f64>>();
+    let of_direction = |sign: f64| at_rows(&|row| if velocity[row].signum() == sign { sign } else { 0.0 });
+    let base = vec![of_direction(-1.0), of_direction(1.0)];
     if base.iter().any(|column| column.iter().filter(|row| **row != 0.0).count() < FEWEST_SAMPLES) {
         return Err(refused("it turned in one direction only".to_owned()));
     }
-    let finest = FINEST * rows.edge_hz * TAU / rows.speed_rad_s;
-    let found = quasi_static::of_turns(base.to_vec(), &rows.angle_rad, rows.torque_mnm, finest)
+    let motors_mnm = at_rows(&|row| torque_mnm[row] - known.motor_inertia * acceleration[row]);
+    let finest = FINEST * edge_hz * TAU / speed_rad_s;
+    let found = quasi_static::of_turns(base, &at_rows(&|row| angle_rad[row]), motors_mnm, finest)
         .ok_or_else(|| refused("friction and torques of the angle cannot be separated".to_owned()))?;
     let mut notes = Vec::new();
     if found.is_empty() {
@@ -85,7 +96,6 @@ pub fn cogging(
 }
 
 /// A harmonic of whole turns as a calibration has it.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number below that of the places")]
 fn estimated(harmonic: &Harmonic) -> CoggingEstimate {
     let half = |ci95: Option<[f64; 2]>| ci95.map_or(0.0, |[low, high]| 0.5 * (high - low));
     CoggingEstimate {
@@ -94,50 +104,5 @@ fn estimated(harmonic: &Harmonic) -> CoggingEstimate {
         torque_half_width_mnm: half(harmonic.amplitude_ci95_mnm),
         phase_rad: harmonic.phase_rad,
         phase_half_width_rad: half(harmonic.phase_ci95_rad),
-    }
-}
-
-/// Rows of steady turning.
-struct Rows {
-    edge_hz: f64,
-    /// Median speed while it turns, rad/s, and the largest.
-    speed_rad_s: f64,
-    fastest_rad_s: f64,
-    angle_rad: Vec<f64>,
-    /// −1 or +1.
-    directions: Vec<f64>,
-    torque_mnm: Vec<f64>,
-}
-
-impl Rows {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
-    fn of(uniform: &Uniform, known: &Calibration) -> Self {
-        let rate_hz = uniform.rate_hz;
-        let edge_hz = EDGE_HZ.min(0.2 * rate_hz);
-        let band = Band { edge_hz, rate_hz };
-        let angle_rad = band.smooth(&uniform.angle_rad);
-        let velocity = gradient(&angle_rad, rate_hz);
-        let acceleration = gradient(&velocity, rate_hz);
-        let torque_mnm = band.smooth(&uniform.torque_mnm);
-        let mut speeds: Vec<f64> = velocity.iter().map(|velocity| velocity.abs()).collect();
-        let fastest_rad_s = speeds.iter().copied().fold(0.0, f64::max);
-        let speed_rad_s = median(&mut speeds);
-        let step = whole(rate_hz / (ROWS_PER_EDGE * edge_hz)).max(1);
-        let mut rows = Self {
-            edge_hz,
-            speed_rad_s,
-            fastest_rad_s,
-            angle_rad: Vec::new(),
-            directions: Vec::new(),
-            torque_mnm: Vec::new(),
-        };
-        for row in (0..angle_rad.len()).step_by(step) {
-            if uniform.present[row] && velocity[row].abs() > TURNING * speed_rad_s {
-                rows.angle_rad.push(angle_rad[row]);
-                rows.directions.push(velocity[row].signum());
-                rows.torque_mnm.push(torque_mnm[row] - known.motor_inertia * acceleration[row]);
-            }
-        }
-        rows
     }
 }

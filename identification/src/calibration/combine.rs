@@ -1,7 +1,7 @@
 //! One calibration of several captures.
 
 use super::estimate::{Calibrated, CoggingEstimate, Estimate};
-use crate::average::{Combined, combined, wrapped};
+use crate::average::{Estimated, combined, wrapped};
 
 /// Combines what several captures tell of the same rig; `None` for none.
 ///
@@ -15,13 +15,11 @@ pub fn combine(captures: &[Calibrated]) -> Option<Calibrated> {
         if estimates.iter().any(|known| known.quantity == estimate.quantity) {
             continue;
         }
-        let estimated: Vec<(f64, f64)> = captures
-            .iter()
-            .filter_map(|capture| capture.get(estimate.quantity))
-            .map(|other| (near(estimate, other.value), other.half_width))
-            .collect();
-        let Combined { value, half_width } = combined(&estimated);
-        estimates.push(Estimate { value: on_circle(estimate, value), half_width, ..*estimate });
+        let all = captures.iter().filter_map(|capture| capture.get(estimate.quantity));
+        let all: Vec<(f64, f64)> = all.map(|other| (other.value, other.half_width)).collect();
+        let Estimated { value, half_width } =
+            if estimate.quantity == "gravity_phase_rad" { combined_on_circle(all) } else { combined(&all) };
+        estimates.push(Estimate { value, half_width, ..*estimate });
     }
     let mut notes = first.notes.clone();
     for note in captures.iter().skip(1).flat_map(|capture| &capture.notes) {
@@ -46,16 +44,13 @@ fn cogging(captures: &[Calibrated]) -> Option<Vec<CoggingEstimate>> {
         let same: Vec<&CoggingEstimate> =
             shown.iter().copied().flatten().filter(|other| other.per_turn == first.per_turn).collect();
         let torques: Vec<(f64, f64)> = same.iter().map(|one| (one.torque_mnm, one.torque_half_width_mnm)).collect();
-        let phases: Vec<(f64, f64)> = same
-            .iter()
-            .map(|one| (first.phase_rad + wrapped(one.phase_rad - first.phase_rad), one.phase_half_width_rad))
-            .collect();
-        let (torque, phase) = (combined(&torques), combined(&phases));
+        let phases = same.iter().map(|one| (one.phase_rad, one.phase_half_width_rad)).collect();
+        let (torque, phase) = (combined(&torques), combined_on_circle(phases));
         harmonics.push(CoggingEstimate {
             per_turn: first.per_turn,
             torque_mnm: torque.value,
             torque_half_width_mnm: torque.half_width,
-            phase_rad: wrapped(phase.value),
+            phase_rad: phase.value,
             phase_half_width_rad: phase.half_width,
         });
     }
@@ -63,15 +58,10 @@ fn cogging(captures: &[Calibrated]) -> Option<Vec<CoggingEstimate>> {
     Some(harmonics)
 }
 
-fn is_phase(estimate: &Estimate) -> bool {
-    estimate.quantity == "gravity_phase_rad"
-}
-
-/// A phase on the same turn as the first one; anything else as it is.
-fn near(first: &Estimate, value: f64) -> f64 {
-    if is_phase(first) { first.value + wrapped(value - first.value) } else { value }
-}
-
-fn on_circle(first: &Estimate, value: f64) -> f64 {
-    if is_phase(first) { wrapped(value) } else { value }
+/// [`combined`] of phases with half widths, all of them on the same turn as the first.
+fn combined_on_circle(mut phases: Vec<(f64, f64)>) -> Estimated {
+    let first_rad = phases.first().map_or(0.0, |phase| phase.0);
+    phases.iter_mut().for_each(|phase| phase.0 = first_rad + wrapped(phase.0 - first_rad));
+    let Estimated { value, half_width } = combined(&phases);
+    Estimated { value: wrapped(value), half_width }
 }

@@ -143,17 +143,13 @@ pub enum CalibrateError {
         /// Why.
         reason: String,
     },
-    /// A friction that the capture cannot identify.
-    #[error("the motor's {quantity} cannot be identified: {reason}")]
-    NoFriction {
+    /// An inertia or a friction that the capture cannot identify.
+    #[error("the {part}'s {quantity} cannot be identified: {reason}")]
+    NotIdentified {
+        /// Of the gripper or the motor.
+        part: &'static str,
         /// What.
         quantity: &'static str,
-        /// Why.
-        reason: String,
-    },
-    /// An inertia that the capture cannot identify.
-    #[error("the gripper's inertia cannot be identified: {reason}")]
-    NoInertia {
         /// Why.
         reason: String,
     },
@@ -165,4 +161,10 @@ pub(super) fn check_at_rest(samples: &Samples<'_>) -> Result<(), CalibrateError>
         Ok(()) | Err(FitError::NoMotion { .. } | FitError::ConstantTorque { .. }) => Ok(()),
         Err(error) => Err(error.into()),
     }
+}
+
+/// Checks that there is a command at every sample.
+pub(super) fn check_command(samples: &Samples<'_>, commanded_mnm: &[f64]) -> Result<(), CalibrateError> {
+    let is_whole = commanded_mnm.len() == samples.torque_mnm.len() && commanded_mnm.iter().all(|mnm| mnm.is_finite());
+    if is_whole { Ok(()) } else { Err(CalibrateError::NoCommand) }
 }

@@ -1,9 +1,38 @@
-//! The motor's own inertia and friction, from a sweep without a knob.
+//! The gripper's inertia, and the motor's own inertia and friction, from sweeps without a knob.
 
 use dynamics::Calibration;
 
-use super::estimate::{CalibrateError, Calibrated, Estimate};
-use crate::{FitOptions, Parameter, Samples, fit};
+use super::estimate::{CalibrateError, Calibrated, Estimate, check_command};
+use crate::{Fit, FitOptions, Samples, fit};
+
+/// Friction above which something else than the gripper turned, mNm.
+const FRICTION_MNM: f64 = 0.5;
+
+/// Fits the inertia beyond the torque sensor to a sweep of the gripper alone.
+///
+/// Takes everything but the gripper's inertia from `known`. Tells `gripper_inertia`.
+///
+/// # Errors
+/// [`CalibrateError`] for a capture that does not accelerate the gripper enough.
+pub fn gripper(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated, CalibrateError> {
+    let calibration = Calibration { gripper_inertia: 0.0, ..known.clone() };
+    let options = FitOptions { calibration: Some(calibration), without_detents: true, ..FitOptions::default() };
+    let fitted = fit(samples, &options)?;
+    let (value, [low, high]) = told(&fitted, "gripper", "inertia")?;
+    let friction_mnm = ["coulomb_negative", "coulomb_positive"]
+        .iter()
+        .filter_map(|name| fitted.parameters.get(name)?.value)
+        .fold(0.0, f64::max);
+    let mut notes = Vec::new();
+    if friction_mnm > FRICTION_MNM {
+        notes.push(format!(
+            "something rubs with {friction_mnm:.2} mNm: is the knob off the gripper? Its inertia would be counted as the gripper's"
+        ));
+    }
+    let half_width = (high - value).max(value - low);
+    let inertia = Estimate { quantity: "gripper_inertia", value, half_width, unit: "mNm s²/rad" };
+    Ok(Calibrated { estimates: vec![inertia], notes, ..Calibrated::default() })
+}
 
 /// Fits the motor to what of the command does not reach the torque sensor, as a fit does a knob.
 ///
@@ -25,13 +54,8 @@ pub fn friction(
     }
     let motor = Samples { torque_mnm: &taken_mnm, acceleration_rad_s2: None, velocity_rad_s: None, ..*samples };
     let fitted = fit(&motor, &FitOptions { without_detents: true, ..FitOptions::default() })?;
-    let estimated = |name: &'static str| -> Result<(f64, f64), CalibrateError> {
-        let parameter = fitted.parameters.get(name);
-        let known = parameter.and_then(|Parameter { value, ci95, .. }| value.zip(*ci95));
-        known.map(|(value, [low, high])| (value, 0.5 * (high - low))).ok_or_else(|| CalibrateError::NoFriction {
-            quantity: name,
-            reason: parameter.and_then(|parameter| parameter.reason.clone()).unwrap_or_default(),
-        })
+    let estimated = |quantity: &'static str| {
+        told(&fitted, "motor", quantity).map(|(value, [low, high])| (value, 0.5 * (high - low)))
     };
     let mean = |[first, second]: [(f64, f64); 2]| (0.5 * (first.0 + second.0), 0.5 * first.1.hypot(second.1));
     let (inertia, inertia_half) = estimated("inertia")?;
@@ -52,8 +76,8 @@ pub fn friction(
             estimate("motor_coulomb_mnm", coulomb_mnm, coulomb_half, "mNm"),
             estimate("motor_viscous", viscous.max(0.0), viscous_half, "mNm s/rad"),
         ],
-        cogging: None,
         notes,
+        ..Calibrated::default()
     })
 }
 
@@ -63,13 +87,20 @@ pub(super) fn motors_share_mnm(
     commanded_mnm: &[f64],
     known: &Calibration,
 ) -> Result<Vec<f64>, CalibrateError> {
-    if commanded_mnm.len() != samples.torque_mnm.len() || commanded_mnm.iter().any(|command| !command.is_finite()) {
-        return Err(CalibrateError::NoCommand);
-    }
+    check_command(samples, commanded_mnm)?;
     // At a sample the mean of the command that ends and the one that begins acts.
     let share_mnm = |index: usize| {
         let acting_mnm = 0.5 * (commanded_mnm[index.saturating_sub(1)] + commanded_mnm[index]);
         acting_mnm - (samples.torque_mnm[index] - known.torque_zero_mnm)
     };
     Ok((0..commanded_mnm.len()).map(share_mnm).collect())
+}
+
+/// A fitted value with its 95 % interval.
+fn told(fitted: &Fit, part: &'static str, quantity: &'static str) -> Result<(f64, [f64; 2]), CalibrateError> {
+    let parameter = fitted.parameters.get(quantity);
+    parameter.and_then(|parameter| parameter.value.zip(parameter.ci95)).ok_or_else(|| {
+        let reason = parameter.and_then(|parameter| parameter.reason.clone()).unwrap_or_default();
+        CalibrateError::NotIdentified { part, quantity, reason }
+    })
 }

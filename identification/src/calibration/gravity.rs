@@ -21,8 +21,6 @@ use crate::samples::span;
 
 /// Band of the comparison, Hz: above whatever a slow turn does, below where the encoder gets noisy.
 const EDGE_HZ: f64 = 40.0;
-/// Share of the signal that may be something else, if gravity is there at all.
-const UNEXPLAINED: f64 = 0.5;
 
 /// Fits zero, amplitude and phase of gravity to a turn of at least 360°.
 ///
@@ -52,13 +50,10 @@ pub fn gravity(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
         angle_rad.iter().map(|angle| angle.cos()).collect(),
     ];
     let solved = band.solve(&columns, &target);
-    if solved.unexplained > UNEXPLAINED {
-        return Err(CalibrateError::Unexplained {
-            channel: "acceleration",
-            percent: 100.0 * solved.unexplained,
-            expected: "gravity and the knob's own acceleration make of it",
-            remedy: "check the accelerometer, and turn more slowly",
-        });
+    let expected = "gravity and the knob's own acceleration make of it";
+    let remedy = "check the accelerometer, and turn more slowly";
+    if let Some(error) = solved.unexplained("acceleration", expected, remedy) {
+        return Err(error);
     }
     let [zero, sine, cosine] = [0, 1, 2].map(|index| solved.coefficients[index]);
     let amplitude = sine.hypot(cosine);
@@ -70,12 +65,11 @@ pub fn gravity(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     };
     let square = amplitude * amplitude;
     Ok(Calibrated {
-        cogging: None,
         estimates: vec![
             estimate("gravity_amplitude_rad_s2", amplitude, "rad/s²", [0.0, sine / amplitude, cosine / amplitude]),
             estimate("gravity_phase_rad", cosine.atan2(sine), "rad", [0.0, -cosine / square, sine / square]),
             estimate("acceleration_zero_rad_s2", zero, "rad/s²", [1.0, 0.0, 0.0]),
         ],
-        notes: Vec::new(),
+        ..Calibrated::default()
     })
 }

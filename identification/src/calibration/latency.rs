@@ -13,8 +13,8 @@
 
 use dynamics::Calibration;
 
-use super::estimate::{CalibrateError, Calibrated, Estimate};
-use super::regression::{Band, Solved};
+use super::estimate::{CalibrateError, Calibrated, Estimate, check_command};
+use super::regression::{Band, Solved, UNEXPLAINED};
 use crate::Samples;
 use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::motion::gradient;
@@ -26,8 +26,6 @@ use crate::uncertainty::statistics::rms;
 const EDGE_PER_SWEEP: f64 = 1.5;
 /// … but at least so far, Hz.
 const LOWEST_EDGE_HZ: f64 = 25.0;
-/// Share of a channel that may be something else.
-const UNEXPLAINED: f64 = 0.5;
 /// Longest delay that is believed, s.
 const LONGEST_DELAY_S: f64 = 0.1;
 /// Rounds of taking gravity or friction at the delayed motion.
@@ -50,9 +48,9 @@ pub fn latency(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     let band = band(&uniform);
     let knob_rad = knob_angle_rad(&uniform.angle_rad, &uniform.torque_mnm, Some(known));
     let columns = columns(&band, &knob_rad);
-    let torque = torque_relation(&uniform, known, &band, &columns, &knob_rad);
-    let mut calibrated = Calibrated { notes: friction_note(&torque).into_iter().collect(), ..Calibrated::default() };
-    let mut found = vec![("torque", "torque_delay_s", torque.solved)];
+    let (torque, note) = torque_relation(&uniform, known, &band, &columns, &knob_rad);
+    let mut calibrated = Calibrated { notes: note.into_iter().collect(), ..Calibrated::default() };
+    let mut found = vec![("torque", "torque_delay_s", torque)];
     if let Some(acceleration) = &uniform.acceleration_rad_s2 {
         found.push((
             "acceleration",
@@ -90,9 +88,7 @@ pub fn command_latency(
     late_ticks: f64,
 ) -> Result<Estimate, CalibrateError> {
     samples.check()?;
-    if commanded_mnm.len() != samples.torque_mnm.len() || commanded_mnm.iter().any(|command| !command.is_finite()) {
-        return Err(CalibrateError::NoCommand);
-    }
+    check_command(samples, commanded_mnm)?;
     let driven = Samples { torque_mnm: commanded_mnm, acceleration_rad_s2: None, velocity_rad_s: None, ..*samples };
     let uniform = Uniform::of(&driven, None);
     let band = band(&uniform);
@@ -134,12 +130,8 @@ fn friction_columns(band: &Band, velocity: Vec<f64>) -> [Vec<f64>; 2] {
 
 /// Why a channel tells no delay, if it does not.
 fn unexplained(channel: &'static str, solved: &Solved) -> Option<CalibrateError> {
-    (solved.unexplained > UNEXPLAINED).then_some(CalibrateError::Unexplained {
-        channel,
-        percent: 100.0 * solved.unexplained,
-        expected: "the motion of an inertia makes of it",
-        remedy: "take the knob off, calibrate gravity first, and sweep faster",
-    })
+    let remedy = "take the knob off, calibrate gravity first, and sweep faster";
+    solved.unexplained(channel, "the motion of an inertia makes of it", remedy)
 }
 
 /// A relation of which a part is taken at the delayed motion, which the relation itself tells.
@@ -155,24 +147,15 @@ fn at_its_delay(first_s: f64, relation: impl Fn(f64) -> Solved) -> Solved {
     solved
 }
 
-/// The torque's relation, and what friction makes of it.
-struct TorqueRelation {
-    solved: Solved,
-    /// Coulomb friction, mNm, and viscous friction, mNm·s/rad.
-    friction: [f64; 2],
-    /// RMS of friction's torque over that of the whole.
-    share: f64,
-}
-
 /// The torque sensor's relation, with the friction of what lies behind the sensor: a torque in phase with the velocity looks like a
-/// delay otherwise.
+/// delay otherwise. A note says that there is friction, if there is much beside a delay that can be told.
 fn torque_relation(
     uniform: &Uniform,
     known: &Calibration,
     band: &Band,
     columns: &[Vec<f64>],
     knob_rad: &[f64],
-) -> TorqueRelation {
+) -> (Solved, Option<String>) {
     let target = band.smooth(&uniform.torque_mnm);
     let velocity = gradient(&band.smooth(knob_rad), uniform.rate_hz);
     let friction = |delay_s: f64| friction_columns(band, advance(&velocity, -delay_s * uniform.rate_hz));
@@ -187,22 +170,15 @@ fn torque_relation(
     };
     // Where there is none, its columns would only widen the interval.
     if !places.iter().any(is_significant) {
-        return TorqueRelation { solved: band.solve(columns, &target), friction: [0.0; 2], share: 0.0 };
+        return (band.solve(columns, &target), None);
     }
-    let coefficients = places.map(|place| solved.coefficients[place]);
+    let [coulomb_mnm, viscous] = places.map(|place| solved.coefficients[place]);
     let [direction, velocity] = friction(delay(&solved).0);
     let torque: Vec<f64> =
-        direction.iter().zip(&velocity).map(|(sign, speed)| coefficients[0] * sign + coefficients[1] * speed).collect();
+        direction.iter().zip(&velocity).map(|(sign, speed)| coulomb_mnm * sign + viscous * speed).collect();
     let share = rms(&torque) / rms(&target).max(f64::MIN_POSITIVE);
     // Friction is not the inertia's either.
     solved.unexplained = solved.unexplained.hypot(share);
-    TorqueRelation { solved, friction: coefficients, share }
-}
-
-/// That there is friction behind the sensor, if there is much beside a delay that can be told.
-fn friction_note(
-    TorqueRelation { solved, friction: [coulomb_mnm, viscous], share }: &TorqueRelation,
-) -> Option<String> {
     let note = || {
         format!(
             "friction behind the torque sensor, {coulomb_mnm:.2} mNm and {viscous:.3} mNm·s/rad, makes {:.0} % of the torque: it was \
@@ -210,7 +186,8 @@ fn friction_note(
             100.0 * share
         )
     };
-    (*share > MUCH_FRICTION && solved.unexplained <= UNEXPLAINED).then(note)
+    let note = (share > MUCH_FRICTION && solved.unexplained <= UNEXPLAINED).then(note);
+    (solved, note)
 }
 
 /// The accelerometer's relation, gravity taken out at the angle at which the sensor was read.

@@ -1,7 +1,6 @@
 //! A linear relation between signals of a capture, solved in a band, with intervals that hold.
 
-use nalgebra::DMatrix;
-
+use super::estimate::CalibrateError;
 use crate::preparation::motion::{ROWS_PER_EDGE, low_pass};
 use crate::preparation::uniform::whole;
 use crate::regression::least_squares::{LeastSquares, RobustCovariance};
@@ -12,6 +11,8 @@ use crate::uncertainty::statistics::{MEDIAN_MAGNITUDE, deviation_of_sum, median,
 const OUTLIER: f64 = 5.0;
 /// Rounds after which the outliers are what they are.
 const ROUNDS: usize = 5;
+/// Share of a channel that may be something else.
+pub(super) const UNEXPLAINED: f64 = 0.5;
 /// Time at each end that the filter needs to settle, in periods of the band's edge.
 const SETTLING: f64 = 2.0;
 
@@ -23,11 +24,9 @@ pub(super) struct Band {
 }
 
 /// A solved relation target = Σ coefficient · column.
-#[derive(Clone, Debug)]
 pub(super) struct Solved {
     pub(super) coefficients: Vec<f64>,
-    covariance: DMatrix<f64>,
-    critical: f64,
+    covariance: RobustCovariance,
     /// RMS of what the relation leaves over RMS of the target.
     pub(super) unexplained: f64,
 }
@@ -35,7 +34,18 @@ pub(super) struct Solved {
 impl Solved {
     /// Half width of the 95 % interval of a quantity with the given derivatives by the coefficients.
     pub(super) fn half_width(&self, derivatives: &[f64]) -> f64 {
-        self.critical * deviation_of_sum(&self.covariance, derivatives)
+        student_95(self.covariance.degrees_of_freedom) * deviation_of_sum(&self.covariance.matrix, derivatives)
+    }
+
+    /// Why a channel tells nothing, if most of it is not what is `expected`.
+    pub(super) fn unexplained(
+        &self,
+        channel: &'static str,
+        expected: &'static str,
+        remedy: &'static str,
+    ) -> Option<CalibrateError> {
+        let percent = 100.0 * self.unexplained;
+        (self.unexplained > UNEXPLAINED).then_some(CalibrateError::Unexplained { channel, percent, expected, remedy })
     }
 }
 
@@ -46,12 +56,6 @@ impl Band {
     }
 
     /// Solves for columns and a target that lie in the band already.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a number of samples"
-    )]
     pub(super) fn solve(&self, columns: &[Vec<f64>], target: &[f64]) -> Solved {
         let step = whole(self.rate_hz / (ROWS_PER_EDGE * self.edge_hz)).max(1);
         let settling = ((SETTLING * self.rate_hz / self.edge_hz) as usize).min(target.len() / 4);
@@ -60,8 +64,7 @@ impl Band {
         };
         let mut columns: Vec<Vec<f64>> = columns.iter().map(|column| rows(column)).collect();
         let mut target = rows(target);
-        let free = vec![false; columns.len()];
-        let mut solution = LeastSquares::solve(&columns, &target, &free);
+        let mut solution = LeastSquares::solve(&columns, &target);
         let mut used = target.len();
         for _ in 0..ROUNDS {
             let mut distances: Vec<f64> = solution.residual.iter().map(|left| left.abs()).collect();
@@ -76,15 +79,12 @@ impl Band {
                 target[row] = 0.0;
                 columns.iter_mut().for_each(|column| column[row] = 0.0);
             }
-            solution = LeastSquares::solve(&columns, &target, &free);
+            solution = LeastSquares::solve(&columns, &target);
         }
-        let RobustCovariance { matrix: covariance, degrees_of_freedom, .. } = solution.robust(&columns);
-        let unexplained = rms(&solution.residual) / rms(&target).max(f64::MIN_POSITIVE);
         Solved {
+            covariance: solution.robust(&columns),
+            unexplained: rms(&solution.residual) / rms(&target).max(f64::MIN_POSITIVE),
             coefficients: solution.coefficients,
-            covariance,
-            critical: student_95(degrees_of_freedom),
-            unexplained,
         }
     }
 }

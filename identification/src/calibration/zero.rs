@@ -50,7 +50,6 @@ pub fn zero(samples: &crate::Samples<'_>, known: &Calibration) -> Result<Calibra
 /// The interval is that of the means of stretches, plus what a coarse step can hide: the mean of a
 /// signal with Gaussian noise σ on steps of Δ is off by at most Δ/π·exp(−2π²σ²/Δ²), the first term of
 /// Widrow's series (B. Widrow, I. Kollár, *Quantization Noise*, 2008).
-#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
 fn mean_at_rest(signal: &[f64], step: f64) -> (f64, f64) {
     let (value, own_error) = mean_and_error(signal);
     let stretch = signal.len() / STRETCHES;

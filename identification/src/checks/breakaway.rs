@@ -44,12 +44,6 @@ pub struct Breakaway {
 ///
 /// # Errors
 /// [`FitError`] for samples that are no capture of a motion.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "lengths of a few samples"
-)]
 pub fn breakaways(samples: &Samples<'_>, known: Option<&Calibration>) -> Result<Vec<Breakaway>, FitError> {
     samples.check()?;
     let rate_hz = 1.0 / typical_step(samples.t_s).0;

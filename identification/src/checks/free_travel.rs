@@ -79,7 +79,6 @@ struct Bins {
 }
 
 impl Bins {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
     fn of(samples: &Samples<'_>, known: Option<&Calibration>) -> Self {
         let zero_mnm = known.map_or(0.0, |known| known.torque_zero_mnm);
         let length = ((BIN_S / typical_step(samples.t_s).0).round() as usize).max(1);

@@ -7,8 +7,6 @@
 mod breakaway;
 mod detents;
 mod free_travel;
-mod profile;
-mod series;
 
 pub use breakaway::{Breakaway, breakaways};
 pub use detents::{CountError, DetentCount, count_detents};

@@ -1,17 +1,14 @@
 //! Whether there are detents at all, and of which period.
 
-mod bends;
 pub(crate) mod scan;
 
 use dynamics::{Effect, effects};
 
-use self::bends::bends;
 use self::scan::{FEWEST_PERIODS, Scan};
 use crate::estimate::Harmonic;
-use crate::numerics::vector::dot;
-use crate::preparation::motion::{Band, KnobMotion};
-use crate::preparation::row_filter::RowFilter;
-use crate::regression::held_out;
+use crate::numerics::vector::{self, dot};
+use crate::preparation::motion::Band;
+use crate::regression::gram::held_out_evidence;
 use crate::regression::least_squares::LeastSquares;
 use crate::regression::problem::{Column, Problem};
 use crate::regression::refiner::Ended;
@@ -36,6 +33,8 @@ const NULL_TEST: f64 = 2.0;
 const NULL_TEST_OF_FEW: f64 = 20.0;
 /// Beside springs and gravity it must still take away this many times what the null test does there.
 const BESIDE_BENDS: f64 = 10.0;
+/// A spring of any stiffness up to the third power of its deflection, and gravity.
+const BENDS: usize = 5;
 /// So many periods are few.
 const FEW_PERIODS: f64 = 3.0;
 /// Margin for harmonics in the residual.
@@ -53,45 +52,38 @@ const NOTHING_LEFT: f64 = 1e-9;
 /// Aliases explain at least this share of what the best period explains.
 const ALIAS: f64 = 0.9;
 
-/// What the search for detents found.
-pub(crate) enum Detents<'a> {
-    /// There are detents.
-    Found(Box<Found<'a>>),
-    /// None that the data can tell, and why.
-    None(String),
-}
-
-/// The problem with detents, solved.
-pub(crate) struct Found<'a> {
+/// A problem solved, with detents or without.
+pub(crate) struct Solved<'a> {
     pub(crate) problem: Problem<'a>,
     pub(crate) solution: LeastSquares,
+    /// Why there are no detents.
+    pub(crate) no_detents: Option<String>,
     /// Other periods that explain nearly as much.
     pub(crate) aliases_rad: Vec<f64>,
     pub(crate) harmonics: Vec<Harmonic>,
-    /// Whether the period was still moving when its search ended.
+    /// Whether the detents' period was still moving when its search ended.
     pub(crate) is_unsettled: bool,
 }
 
-/// Searches all periods that the travel supports, refines the strongest and weighs the evidence.
+/// Searches all periods that the travel supports, refines the strongest and weighs the evidence; the error is why the data can tell no
+/// detents.
 pub(crate) fn search<'a>(
     base: &Problem<'a>,
     base_solution: &LeastSquares,
-    row_filter: &RowFilter,
-    motion: &KnobMotion,
     band: &Band,
     angle_step_rad: f64,
-) -> Detents<'a> {
+) -> Result<Solved<'a>, String> {
     let left = dot(&base_solution.residual, &base_solution.residual);
     if left.sqrt() <= NOTHING_LEFT * dot(&base.target, &base.target).sqrt() {
-        return Detents::None("the knob has no detents: inertia and friction explain the whole torque".to_owned());
+        return Err("the knob has no detents: inertia and friction explain the whole torque".to_owned());
     }
-    let Some(scan) = Scan::new(row_filter, motion, band, angle_step_rad, &base.columns, &base_solution.inverse) else {
-        return Detents::None(format!(
+    let Some(scan) = Scan::new(base, &base_solution.inverse, band, angle_step_rad) else {
+        return Err(format!(
             "the travel is too small to identify detents: it must hold at least {FEWEST_PERIODS} periods; sweep wider"
         ));
     };
     let (longest, shortest) = scan.periods_rad();
-    let powers = scan.powers(row_filter, motion, &base_solution.residual);
+    let powers = scan.powers(base, &base_solution.residual);
     let peaks = scan.peaks(&powers, 12);
     let resolution = scan.resolution();
     let limit = |_, period: f64| (0.25 * resolution * period * period).min(0.1 * period);
@@ -108,12 +100,12 @@ pub(crate) fn search<'a>(
         })
         .min_by(|a, b| a.0.total_cmp(&b.0));
     let Some((close, mut problem, solution)) = best else {
-        return Detents::None(no_detents(longest, shortest));
+        return Err(no_detents(longest, shortest));
     };
     let needed = 2.0 * scan.independent().ln() + MARGIN;
     let rough = needed * scan.background(&powers, 1.0 / problem.effects[problem.effects.len() - 1].values()[1]);
     if 1.5 * (left - close) < rough && left - close < CLEARLY_NOT * left {
-        return Detents::None(no_detents(longest, shortest));
+        return Err(no_detents(longest, shortest));
     }
     let (solution, ended) = problem.refine_from(solution, 12, limit);
     let detent = problem.effects.len() - 1;
@@ -123,15 +115,15 @@ pub(crate) fn search<'a>(
     let after = dot(&solution.residual, &solution.residual);
     let share = 1.0 - after / left;
     // The background is read with the detent taken out, whose side lobes would else stand in it.
-    let rest = scan.powers(row_filter, motion, &solution.residual);
+    let rest = scan.powers(base, &solution.residual);
     let background = scan.background(&rest, 1.0 / period_rad);
     let clear = left - after > needed * background;
-    let predicts = held_out::evidence(&problem.columns, range.start, &problem.target) > PREDICTS;
+    let predicts = held_out_evidence(&problem.columns, range.start, &problem.target) > PREDICTS;
     let periods = 1.0 / (period_rad * resolution);
     let few = periods < FEW_PERIODS;
     let null_test = scan.null_test(&rest, 1.0 / period_rad, if few { 0.0 } else { FEW_PERIODS });
     if clear && !(predicts && left - after > if few { NULL_TEST_OF_FEW } else { NULL_TEST } * null_test) {
-        return Detents::None(format!(
+        return Err(format!(
             "no detents that can be distinguished from other variation of the torque: the best period (P {period_rad:.4} rad, \
              {periods:.1} of them in the travel) {}takes away {:.1} times what other periods do; sweep wider, so that the \
              travel holds more of them",
@@ -139,14 +131,13 @@ pub(crate) fn search<'a>(
             (left - after) / null_test.max(f64::MIN_POSITIVE)
         ));
     }
-    let bends = bends(row_filter, motion);
-    let bent = unbounded(&[&base.columns, &bends[..]].concat(), &base.target);
-    let both = unbounded(&[&base.columns, &bends, &problem.columns[range]].concat(), &base.target);
+    let bends = bends(base);
+    let bent = LeastSquares::solve(&[&base.columns, &bends[..]].concat(), &base.target).residual;
+    let both = [&base.columns, &bends, &problem.columns[range]].concat();
+    let both = LeastSquares::solve(&both, &base.target).residual;
     let beside_bends = dot(&bent, &bent) - dot(&both, &both);
-    if clear
-        && beside_bends < BESIDE_BENDS * scan.null_test(&scan.powers(row_filter, motion, &both), 1.0 / period_rad, 0.0)
-    {
-        return Detents::None(format!(
+    if clear && beside_bends < BESIDE_BENDS * scan.null_test(&scan.powers(base, &both), 1.0 / period_rad, 0.0) {
+        return Err(format!(
             "no detents that can be distinguished from a spring or from gravity, which leave nothing of the torque's \
              variation with the angle that the best period (P {period_rad:.4} rad, {periods:.1} of them in the travel) would explain; diagnose \
              the capture, or sweep wider, so that the travel holds more periods"
@@ -154,10 +145,10 @@ pub(crate) fn search<'a>(
     }
     let inside = period_rad < 1.2 * longest && period_rad > 0.0 && amplitude_mnm.is_finite();
     if !clear || !inside {
-        return Detents::None(no_detents(longest, shortest));
+        return Err(no_detents(longest, shortest));
     }
     if share < WORTHWHILE_SHARE && amplitude_mnm < WORTHWHILE_AMPLITUDE * rms(&problem.target) {
-        return Detents::None(format!(
+        return Err(format!(
             "the knob has no detents worth the name: the strongest torque that repeats with the angle (amplitude \
              {amplitude_mnm:.3} mNm, P {period_rad:.6} rad) is a ripple that explains only {:.0} % of what inertia and \
              friction leave",
@@ -175,18 +166,27 @@ pub(crate) fn search<'a>(
         scan.near(&rest, f64::from(order) / period_rad).is_none_or(|power| HARMONIC_LOOK * power > needed)
     };
     let harmonics = harmonics(&problem, &solution, [period_rad, shortest], background, evident);
-    Detents::Found(Box::new(Found {
-        problem,
-        solution,
-        aliases_rad,
-        harmonics,
-        is_unsettled: ended == Ended::OutOfSteps,
-    }))
+    let is_unsettled = ended == Ended::OutOfSteps;
+    Ok(Solved { problem, solution, no_detents: None, aliases_rad, harmonics, is_unsettled })
 }
 
-/// What the columns leave of the target, no coefficient bounded.
-fn unbounded(columns: &[Column], target: &[f64]) -> Vec<f64> {
-    LeastSquares::solve(columns, target, &vec![false; columns.len()]).residual
+/// Rows of the place in the travel, its square and its cube, and of the angle's sine and cosine: what bends the torque over the travel and
+/// is no detent.
+fn bends(problem: &Problem<'_>) -> Vec<Column> {
+    let Problem { row_filter, motion, .. } = problem;
+    let (lowest, highest) = vector::extent_where(&motion.angle_rad, &row_filter.mask).unwrap_or((0.0, 0.0));
+    let (middle, half) = (0.5 * (lowest + highest), 0.5 * (highest - lowest));
+    let rows = row_filter.rows_of(BENDS, |range, columns| {
+        let angles = &motion.angle_rad[range];
+        let (powers, turn) = columns.split_at_mut(BENDS - 2);
+        for (power, column) in (1..).zip(powers) {
+            column.iter_mut().zip(angles).for_each(|(slot, angle)| *slot = ((angle - middle) / half).powi(power));
+        }
+        if let [sine, cosine] = turn {
+            vector::sines(angles, 1.0, sine, cosine);
+        }
+    });
+    rows.into_iter().map(Column::from).collect()
 }
 
 fn no_detents(longest: f64, shortest: f64) -> String {
@@ -222,21 +222,16 @@ fn harmonics(
         let [.., sine, cosine] = with.coefficients[..] else { continue };
         let left = dot(&with.residual, &with.residual);
         let gain = total - left;
-        if gain < needed {
-            continue;
-        }
-        if held_out::evidence(&columns, columns.len() - own.len(), &problem.target) < PREDICTS {
+        if gain < needed || held_out_evidence(&columns, columns.len() - own.len(), &problem.target) < PREDICTS {
             continue;
         }
         let harmonic = Harmonic {
             order: Some(order),
             per_turn: f64::from(order) / period_rad,
             amplitude_mnm: sine.hypot(cosine),
-            amplitude_ci95_mnm: None,
             phase_rad: cosine.atan2(sine),
-            phase_ci95_rad: None,
             explains_percent: 100.0 * gain / total,
-            relative_error_percent: None,
+            ..Harmonic::default()
         };
         total = left;
         found.push((harmonic, own));

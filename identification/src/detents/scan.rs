@@ -12,9 +12,9 @@ use realfft::{RealToComplex, num_complex::Complex};
 
 use crate::numerics::fourier;
 use crate::numerics::vector::{self, dot};
-use crate::preparation::motion::{Band, KnobMotion};
+use crate::preparation::motion::Band;
 use crate::preparation::row_filter::RowFilter;
-use crate::regression::problem::Column;
+use crate::regression::problem::Problem;
 use crate::uncertainty::statistics::{median, quantile};
 
 /// Fewest periods that the travel must hold for a period to be estimated.
@@ -58,22 +58,9 @@ pub(crate) struct Scan {
 }
 
 impl Scan {
-    /// `base_rows` are the base columns as rows, `inverse` the inverse of their Gram matrix. `None` if
-    /// the travel supports no period at all.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "indices of wavenumbers"
-    )]
-    pub(crate) fn new(
-        row_filter: &RowFilter,
-        motion: &KnobMotion,
-        band: &Band,
-        angle_step_rad: f64,
-        base_rows: &[Column],
-        inverse: &DMatrix<f64>,
-    ) -> Option<Self> {
+    /// `inverse` is the inverse of the Gram matrix of the base problem's columns. `None` if the travel supports no period at all.
+    pub(crate) fn new(base: &Problem<'_>, inverse: &DMatrix<f64>, band: &Band, angle_step_rad: f64) -> Option<Self> {
+        let Problem { row_filter, motion, columns, .. } = base;
         let (offset_rad, _) = vector::extent(&motion.angle_rad)?;
         let (lowest, highest) = vector::extent_where(&motion.angle_rad, &row_filter.mask)?;
         let travel_rad = highest - lowest;
@@ -98,8 +85,7 @@ impl Scan {
         // A base column varies slowly, and low wavenumbers pass the rows' filter: rows alone will do.
         let angles: Vec<f64> = at_rows().map(|index| motion.angle_rad[index]).collect();
         let masks: Vec<f64> = at_rows().map(|index| row_filter.mask[index]).collect();
-        let mut columns: Vec<&[f64]> = base_rows.iter().map(|rows| &**rows).collect();
-        columns.push(&masks);
+        let columns: Vec<&[f64]> = columns.iter().map(|rows| &**rows).chain([&masks[..]]).collect();
         let mut base = coarse.sums_of(&columns, &angles);
         let weights = base.pop()?;
         let mut scan = Self {
@@ -117,13 +103,11 @@ impl Scan {
     }
 
     /// Longest and shortest period P that is searched, rad.
-    #[allow(clippy::cast_precision_loss, reason = "indices of wavenumbers")]
     pub(crate) fn periods_rad(&self) -> (f64, f64) {
         (1.0 / (self.first as f64 * self.spacing), 1.0 / (self.last as f64 * self.spacing))
     }
 
     /// Number of independent periods among those tried.
-    #[allow(clippy::cast_precision_loss, reason = "indices of wavenumbers")]
     pub(crate) fn independent(&self) -> f64 {
         ((self.last - self.first) as f64 / OVERSAMPLING).max(1.0)
     }
@@ -134,14 +118,13 @@ impl Scan {
     }
 
     /// What a detent at each wavenumber would take off the residual's sum of squares, mNm².
-    pub(crate) fn powers(&self, row_filter: &RowFilter, motion: &KnobMotion, residual: &[f64]) -> Vec<f64> {
-        let target = self.fine.sums(&row_filter.spread(residual), &motion.angle_rad);
+    pub(crate) fn powers(&self, base: &Problem<'_>, residual: &[f64]) -> Vec<f64> {
+        let target = self.fine.sums(&base.row_filter.spread(residual), &base.motion.angle_rad);
         let found = target.get(self.first..).unwrap_or_default().iter().zip(&self.inverses);
         found.map(|(sum, inverse)| power(inverse, *sum)).collect()
     }
 
     /// The strongest peaks, at least a peak's width apart, strongest first.
-    #[allow(clippy::cast_precision_loss, reason = "indices of wavenumbers")]
     pub(crate) fn peaks(&self, powers: &[f64], count: usize) -> Vec<Peak> {
         let mut order: Vec<usize> = (0..powers.len())
             .filter(|index| {
@@ -166,12 +149,6 @@ impl Scan {
     }
 
     /// Largest power within a peak's width of a wavenumber, mNm²; `None` beyond what was searched.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "indices of wavenumbers"
-    )]
     pub(crate) fn near(&self, powers: &[f64], wavenumber: f64) -> Option<f64> {
         let place = (wavenumber / self.spacing).round() as usize;
         let from = place.saturating_sub(OVERSAMPLING as usize).checked_sub(self.first)?;
@@ -180,7 +157,6 @@ impl Scan {
     }
 
     /// Typical power of what is no detent around a wavenumber: the median of the neighbourhood, mNm².
-    #[allow(clippy::cast_precision_loss, reason = "indices of wavenumbers")]
     pub(crate) fn background(&self, powers: &[f64], wavenumber: f64) -> f64 {
         let resolution = self.resolution();
         let range = wavenumber / 3.0..(3.0 * wavenumber).max(wavenumber + 8.0 * resolution);
@@ -208,12 +184,6 @@ impl Scan {
     }
 
     /// Mean square gain of the rows' filter for a detent, over the speeds of the capture.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "indices of histogram bins"
-    )]
     fn attenuations(&self, row_filter: &RowFilter, band: &Band, speeds: &[f64]) -> Vec<f64> {
         const BINS: usize = 64;
         let fastest = speeds.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
@@ -314,7 +284,6 @@ struct Gather {
 
 impl Gather {
     /// Sums for k = 0, 1, …, `last` times the `spacing` by a transform of `length` bins, a power of two.
-    #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
     fn new(length: usize, offset_rad: f64, spacing: f64, last: usize) -> Self {
         let half = 0.5 * TAU / length as f64;
         let indices: Vec<f64> = (0..=last).map(|index| index as f64).collect();

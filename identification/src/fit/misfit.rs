@@ -11,9 +11,10 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 
 use super::trimmed::{Rows, Trimmed};
 use crate::preparation::filter::Fir;
-use crate::preparation::motion::{KnobMotion, ROWS_PER_EDGE};
+use crate::preparation::motion::ROWS_PER_EDGE;
 use crate::preparation::row_filter::HALF_LENGTH_PERIODS;
 use crate::regression::least_squares::{LeastSquares, RobustCovariance};
+use crate::regression::problem::Problem;
 use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, median};
 
 /// Share of the band that the narrower fit keeps, and every how many of its rows.
@@ -56,7 +57,7 @@ impl Shift {
             .enumerate()
             .map(|(index, column)| if is_fitted(index) { change(column) } else { vec![0.0; target.len()] })
             .collect();
-        let other = LeastSquares::solve(&columns, &target, &vec![false; columns.len()]);
+        let other = LeastSquares::solve(&columns, &target);
         if (0..columns.len()).any(|index| is_fitted(index) && other.collinear[index]) {
             return None;
         }
@@ -72,21 +73,16 @@ impl Shift {
 impl Misfit {
     /// Fits the settled problem's columns to the rows with those `near` standstill, to half their band and to the faster and the
     /// slower half of their motion.
-    pub(crate) fn of(
-        trimmed: &Trimmed<'_>,
-        near: Option<&Rows>,
-        motion: &KnobMotion,
-        robust: &RobustCovariance,
-    ) -> Self {
+    pub(crate) fn of(trimmed: &Trimmed<'_>, near: Option<&Rows>, robust: &RobustCovariance) -> Self {
         // Instruments are for noise that these fits would see anew.
         if trimmed.instruments.is_some() {
             return Self { rows: Vec::new(), unbounded: None };
         }
         let at_zero = &trimmed.solution.at_zero;
         let is_held = at_zero.contains(&true);
-        let step = trimmed.problem.row_filter.step;
+        let Problem { motion, row_filter, target, .. } = &trimmed.problem;
         let speeds: Vec<f64> =
-            (0..trimmed.problem.target.len()).map(|row| motion.velocity_rad_s[row * step].abs()).collect();
+            (0..target.len()).map(|row| motion.velocity_rad_s[row * row_filter.step].abs()).collect();
         let typical = median(&mut speeds.clone());
         let narrow =
             Fir::low_pass((HALF_LENGTH_PERIODS * ROWS_PER_EDGE / NARROWER).round() as usize, NARROWER, ROWS_PER_EDGE);

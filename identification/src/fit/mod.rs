@@ -5,14 +5,12 @@ mod prepared;
 pub(crate) mod report;
 mod trimmed;
 
-use self::prepared::Prepared;
 use crate::estimate::Fit;
 use crate::options::{AccelerationUse, FitOptions, PreparationMethod};
-use crate::preparation::central_differences::central_differences;
+use crate::preparation::Prepared;
+use crate::preparation::fixed_preparation::{central_differences, paper};
 use crate::preparation::motion::{Band, KnobMotion};
-use crate::preparation::paper_preparation::paper_preparation;
 use crate::preparation::saturation::Saturation;
-use crate::preparation::time_order::sorted;
 use crate::preparation::uniform::Uniform;
 use crate::quasi_static;
 use crate::regression::characteristic::{CurveProjection, NO_DETENTS};
@@ -57,7 +55,7 @@ use crate::samples::{FitError, Samples};
 /// # Errors
 /// [`FitError`] where nothing can be estimated; what only some parameters lack is a reason in [`Fit::parameters`].
 pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
-    let sorted = sorted(samples);
+    let sorted = samples.sorted();
     let in_time = sorted.as_ref().map_or(*samples, |sorted| sorted.samples());
     let mut fit = fit_in_time(&in_time, options)?;
     if sorted.is_some() {
@@ -70,7 +68,7 @@ pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError>
 
 /// [`fit`] without its notes on the whole capture, one of which takes a second fit.
 pub(crate) fn fit_without_notes(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
-    let sorted = sorted(samples);
+    let sorted = samples.sorted();
     fit_in_time(&sorted.as_ref().map_or(*samples, |sorted| sorted.samples()), options)
 }
 
@@ -120,13 +118,13 @@ fn fit_moving(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitErr
     let mut uniform = Uniform::of(samples, calibration);
     let fixed = match options.preparation {
         PreparationMethod::Automatic => None,
-        PreparationMethod::Paper => Some(paper_preparation(&uniform)),
+        PreparationMethod::Paper => Some(paper(&uniform)),
         PreparationMethod::CentralDifferences => Some(central_differences(&uniform)),
     };
     if let Some(fixed) = fixed {
-        let prepared = Prepared::fixed(fixed)?;
+        let prepared = fixed.checked()?;
         let solved = prepared.solve(samples, options);
-        return Ok(prepared.report(solved, &uniform, samples, options));
+        return Ok(prepared.report(solved, None, &uniform, samples, options));
     }
     let as_given = options.acceleration == AccelerationUse::Best;
     let exact = if as_given { KnobMotion::exact(&mut uniform, calibration) } else { None };
@@ -138,18 +136,18 @@ fn fit_moving(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitErr
         let options = FitOptions { further_effects, without_detents: true, ..options.clone() };
         let mut solved = first.solve(samples, &options);
         solved.no_detents = Some(NO_DETENTS.to_owned());
-        solved.curves = solved.problem.both_ways().map(|(_, both)| CurveProjection::new(&measured, &both));
-        let fit = first.report(solved, &uniform, samples, &options);
+        let curves = solved.problem.both_ways().map(|(_, both)| CurveProjection::new(&measured, &both));
+        let fit = first.report(solved, curves, &uniform, samples, &options);
         return Ok(Fit { characteristics: measured.curves, ..fit });
     }
     let solved = first.solve(samples, options);
     let Some(wider) = first.band_for(&solved) else {
-        return Ok(first.report(solved, &uniform, samples, options));
+        return Ok(first.report(solved, None, &uniform, samples, options));
     };
     drop(solved);
     // An exact motion is the same in any band.
     let exact = Some(first.motion).filter(|motion| motion.exact);
     let second = Prepared::new(&uniform, exact, wider, options)?;
     let solved = second.solve(samples, options);
-    Ok(second.report(solved, &uniform, samples, options))
+    Ok(second.report(solved, None, &uniform, samples, options))
 }

@@ -1,23 +1,20 @@
-//! Motion, mask and filter for one band, and what is fitted there.
-
-use std::borrow::Cow;
+//! What is fitted in one band.
 
 use dynamics::{Calibration, Effect, Part, effects};
 
 use super::report::Report;
 use super::trimmed::{trim, untrimmed};
-use crate::detents::{self, Detents, Found};
-use crate::estimate::{Fit, Harmonic, Preparation};
+use crate::detents::{self, Solved};
+use crate::estimate::{Fit, Preparation};
 use crate::karnopp::Stick;
 use crate::numerics::vector;
 use crate::options::{AccelerationUse, FitOptions, PreparationMethod};
+use crate::preparation::Prepared;
 use crate::preparation::encoder_step::encoder_step;
-use crate::preparation::fixed_preparation::FixedPreparation;
 use crate::preparation::motion::{Band, KnobMotion};
 use crate::preparation::row_filter::RowFilter;
 use crate::preparation::uniform::Uniform;
 use crate::regression::characteristic::{CurveProjection, Measured, Places, measure};
-use crate::regression::least_squares::LeastSquares;
 use crate::regression::problem::Problem;
 use crate::samples::{FEWEST_SAMPLES, FitError, Samples};
 use crate::uncertainty::statistics::quantile;
@@ -26,27 +23,6 @@ use crate::uncertainty::statistics::quantile;
 const COARSE_STEP_RAD: f64 = 5e-5;
 /// Ratio of two steps that are not the same.
 const DIFFERENT_STEPS: f64 = 1.1;
-
-/// Motion, mask and filter for one band.
-pub(super) struct Prepared<'a> {
-    band: Band,
-    pub(super) motion: KnobMotion,
-    torque_mnm: Cow<'a, [f64]>,
-    row_filter: RowFilter,
-}
-
-/// The problem with detents, if there are any, not yet trimmed.
-pub(super) struct Solved<'a> {
-    pub(super) problem: Problem<'a>,
-    solution: LeastSquares,
-    aliases_rad: Vec<f64>,
-    harmonics: Vec<Harmonic>,
-    /// Whether the detents' period was still moving when its search ended.
-    is_unsettled: bool,
-    pub(super) no_detents: Option<String>,
-    /// Measured curves among the effects.
-    pub(super) curves: Option<CurveProjection>,
-}
 
 impl<'a> Prepared<'a> {
     pub(super) fn new(
@@ -62,12 +38,8 @@ impl<'a> Prepared<'a> {
         Self { band, motion, torque_mnm, row_filter }.checked()
     }
 
-    pub(super) fn fixed(fixed: FixedPreparation) -> Result<Self, FitError> {
-        let FixedPreparation { motion, torque_mnm, row_filter, band } = fixed;
-        Self { band, motion, torque_mnm: torque_mnm.into(), row_filter }.checked()
-    }
-
-    fn checked(self) -> Result<Self, FitError> {
+    /// An error if the knob hardly slides.
+    pub(super) fn checked(self) -> Result<Self, FitError> {
         let samples = self.row_filter.sliding();
         if samples < FEWEST_SAMPLES / 2 {
             return Err(FitError::HardlyMoving { threshold_rad_s: self.row_filter.threshold_rad_s, samples });
@@ -75,44 +47,45 @@ impl<'a> Prepared<'a> {
         Ok(self)
     }
 
+    /// All but the detents.
+    fn base(&self, options: &FitOptions) -> Problem<'_> {
+        let base = [Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];
+        let further = options.further_effects.iter().copied();
+        let further = further.filter(|effect| !matches!(effect.kind().part, Part::Stick(_)));
+        let effects: Vec<Effect> = base.into_iter().chain(further).collect();
+        Problem::new(&self.row_filter, &self.motion, &self.band, &self.torque_mnm, &effects)
+    }
+
     pub(super) fn solve(&self, samples: &Samples<'_>, options: &FitOptions) -> Solved<'_> {
-        let Self { band, motion, torque_mnm, row_filter } = self;
-        let mut base = Problem::new(row_filter, motion, band, torque_mnm, &base_effects(&options.further_effects));
+        let mut base = self.base(options);
         let solution = base.refine(20, |_, value| 0.1 * value.abs());
         let known_step = options.calibration.as_ref().map(|known| known.angle_step_rad).filter(|step| *step > 0.0);
         let step = known_step.unwrap_or_else(|| vector::smallest_step(samples.angle_rad));
         let found = if options.without_detents {
-            Detents::None("detents were not asked for".to_owned())
+            Err("detents were not asked for".to_owned())
         } else {
-            detents::search(&base, &solution, row_filter, motion, band, step)
+            detents::search(&base, &solution, &self.band, step)
         };
-        match found {
-            Detents::Found(found) => {
-                let Found { problem, solution, aliases_rad, harmonics, is_unsettled } = *found;
-                Solved { problem, solution, aliases_rad, harmonics, is_unsettled, no_detents: None, curves: None }
-            }
-            Detents::None(reason) => Solved {
-                problem: base,
-                solution,
-                aliases_rad: Vec::new(),
-                harmonics: Vec::new(),
-                is_unsettled: false,
-                no_detents: Some(reason),
-                curves: None,
-            },
-        }
+        found.unwrap_or_else(|reason| Solved {
+            problem: base,
+            solution,
+            no_detents: Some(reason),
+            aliases_rad: Vec::new(),
+            harmonics: Vec::new(),
+            is_unsettled: false,
+        })
     }
 
     /// The torque over the angle, measured beside all that the fit has anyway.
     pub(super) fn measure(&self, options: &FitOptions) -> Option<Measured> {
-        let Self { band, motion, torque_mnm, row_filter } = self;
-        let base = Problem::new(row_filter, motion, band, torque_mnm, &base_effects(&options.further_effects));
+        let Self { motion, torque_mnm, row_filter, .. } = self;
+        let base = self.base(options);
         // One Coulomb friction for both directions: half of what differs between them is a torque that does not change with them.
         let ([negative, positive], both) = base.both_ways()?;
         let mut columns = base.columns.clone();
         columns[negative] = both;
         columns.remove(positive);
-        let mut nonnegative = base.nonnegative().to_vec();
+        let mut nonnegative = base.nonnegative.clone();
         nonnegative.remove(positive);
         let mut noise = base.column_noise();
         noise.iter_mut().for_each(|noise| noise.column -= usize::from(noise.column > positive));
@@ -139,13 +112,14 @@ impl<'a> Prepared<'a> {
     pub(super) fn report(
         &self,
         solved: Solved<'_>,
+        curves: Option<CurveProjection>,
         uniform: &Uniform,
         samples: &Samples<'_>,
         options: &FitOptions,
     ) -> Fit {
         let calibration = options.calibration.as_ref();
         let Self { band, motion, torque_mnm, row_filter } = self;
-        let Solved { problem, solution, aliases_rad, harmonics, is_unsettled, no_detents, curves } = solved;
+        let Solved { problem, solution, no_detents, aliases_rad, harmonics, is_unsettled } = solved;
         let mut trimmed = if options.preparation == PreparationMethod::CentralDifferences {
             untrimmed(problem)
         } else {
@@ -154,65 +128,55 @@ impl<'a> Prepared<'a> {
         if let Some(curves) = curves {
             trimmed.project_curves_out(curves);
         }
-        let instrumented = options.acceleration == AccelerationUse::ColumnInstrumented && motion.accelerometer;
-        if instrumented {
+        if options.acceleration == AccelerationUse::ColumnInstrumented && motion.accelerometer {
             let encoder = KnobMotion::measured(uniform, band, calibration, AccelerationUse::Encoder);
             trimmed.instrument(&encoder.acceleration_rad_s2);
         }
-        let near = match options.preparation {
-            PreparationMethod::Automatic => row_filter.next_to_standstill(uniform, motion),
-            PreparationMethod::Paper | PreparationMethod::CentralDifferences => None,
-        };
         // Rows beside measured curves are freed of what the curves do at their own samples.
-        let near = near.filter(|_| trimmed.curves.is_none());
+        let can_be_wider = options.preparation == PreparationMethod::Automatic && trimmed.curves.is_none();
+        let near = can_be_wider.then(|| row_filter.next_to_standstill(uniform, motion)).flatten();
         let near = near.map(|near| trimmed.with_rows_of(&near, band, torque_mnm));
-        let report = Report { trimmed: &trimmed, motion, row_filter, band, calibration, near };
-        let (mut parameters, covariance, comparison) = report.parameters(no_detents);
-        let mut effects = trimmed.effects();
-        Stick::of(uniform, motion, &effects).report(&mut parameters, &mut effects);
-        let mut notes = report.notes(&parameters);
+        let mut fit = Report::new(&trimmed, band, calibration, near.as_ref()).fit(no_detents);
+        Stick::of(uniform, motion, &fit.effects).report(&mut fit.parameters, &mut fit.effects);
         if is_unsettled {
-            notes.push(
+            fit.notes.push(
                 "the search for the detents' period ended while it still moved: its interval is too narrow; sweep over more detents, or more \
                  slowly"
                     .to_owned(),
             );
         }
         if uniform.lost > 0 {
-            notes.push(format!("samples missing from the capture: {}; the fit leaves the gaps out", uniform.lost));
+            fit.notes.push(format!("samples missing from the capture: {}; the fit leaves the gaps out", uniform.lost));
         }
-        notes.extend(uniform.notes.iter().cloned());
-        notes.extend(encoder_note(samples, calibration));
+        fit.notes.extend(uniform.notes.iter().cloned());
+        fit.notes.extend(encoder_note(samples, calibration));
         Fit {
-            parameters,
-            covariance,
-            residual_rms_mnm: comparison.residual_rms_mnm,
-            relative_error_percent: comparison.relative_error_percent,
-            mean_ci95_mnm: comparison.mean_ci95_mnm,
-            mean_ci95_textbook_mnm: comparison.mean_ci95_textbook_mnm,
             samples: samples.t_s.len(),
-            rows: comparison.points.len(),
-            torque_delay_s: trimmed.delay_s,
             detent_harmonics: harmonics,
             detent_aliases_rad: aliases_rad,
-            preparation: Preparation {
-                method: options.preparation.name(),
-                ..preparation(uniform, motion, row_filter, band)
-            },
-            notes,
-            points: comparison.points,
-            characteristics: Vec::new(),
+            preparation: self.told(uniform, options.preparation),
             axis: options.axis,
-            effects,
+            ..fit
         }
     }
-}
 
-fn base_effects(further: &[Effect]) -> Vec<Effect> {
-    let base = [Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];
-    base.into_iter()
-        .chain(further.iter().copied().filter(|effect| !matches!(effect.kind().part, Part::Stick(_))))
-        .collect()
+    /// The choices that were made.
+    fn told(&self, uniform: &Uniform, method: PreparationMethod) -> Preparation {
+        let Self { band, motion, row_filter, .. } = self;
+        Preparation {
+            method: method.name(),
+            rate_hz: uniform.rate_hz,
+            lost_samples: uniform.lost,
+            exact_motion: motion.exact,
+            accelerometer: motion.accelerometer,
+            angle_cutoff_hz: motion.cutoff_hz,
+            band_hz: band.edge_hz,
+            stick_threshold_rad_s: row_filter.threshold_rad_s,
+            sliding_percent: 100.0 * (row_filter.sliding() as f64 / motion.len() as f64),
+            angle_noise_rad: (motion.angle_density * 0.5 * uniform.rate_hz).sqrt(),
+            torque_noise_mnm: band.torque_noise_mnm,
+        }
+    }
 }
 
 /// A note on an encoder whose steps are others than the rig's calibration has, or are coarse and unknown to it: a servo that does
@@ -236,22 +200,4 @@ fn encoder_note(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Opt
              `angle_step_rad = {seen_rad:.2e}` in it the servo makes less noise"
         )
     })
-}
-
-fn preparation(uniform: &Uniform, motion: &KnobMotion, row_filter: &RowFilter, band: &Band) -> Preparation {
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
-    let share = row_filter.sliding() as f64 / motion.len() as f64;
-    Preparation {
-        method: PreparationMethod::default().name(),
-        rate_hz: uniform.rate_hz,
-        lost_samples: uniform.lost,
-        exact_motion: motion.exact,
-        accelerometer: motion.accelerometer,
-        angle_cutoff_hz: motion.cutoff_hz,
-        band_hz: band.edge_hz,
-        stick_threshold_rad_s: row_filter.threshold_rad_s,
-        sliding_percent: 100.0 * share,
-        angle_noise_rad: (motion.angle_density * 0.5 * uniform.rate_hz).sqrt(),
-        torque_noise_mnm: band.torque_noise_mnm,
-    }
 }

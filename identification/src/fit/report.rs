@@ -1,17 +1,18 @@
 //! Values, intervals and reasons from the settled problem.
 
-use dynamics::{Calibration, Effect, Part, effects};
+use std::ops::Deref;
+
+use dynamics::{Calibration, Effect, ParameterKind, Part, effects};
 use nalgebra::{DMatrix, RowDVector};
 
 use super::misfit::Misfit;
 use super::trimmed::{RefusedDelay, Rows, Trimmed};
-use crate::estimate::{Covariance, Parameter, Parameters, Point};
+use crate::estimate::{Covariance, Fit, Parameter, Parameters, Point};
 use crate::numerics::vector::{self, dot};
-use crate::preparation::motion::{Band, KnobMotion};
-use crate::preparation::row_filter::RowFilter;
+use crate::preparation::motion::Band;
 use crate::regression::least_squares::RobustCovariance;
-use crate::regression::problem::Column;
-use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, plus_minus, rms, student_95};
+use crate::regression::problem::Problem;
+use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, mean, plus_minus, rms, student_95};
 
 /// A parameter whose interval spans this share of the torque's RMS, times its column, is not estimated.
 const HOPELESS: f64 = 0.5;
@@ -28,73 +29,78 @@ const ENTANGLED: f64 = 0.01;
 
 /// The settled problem with all that its words need.
 pub(crate) struct Report<'a> {
-    pub(crate) trimmed: &'a Trimmed<'a>,
-    pub(crate) motion: &'a KnobMotion,
-    pub(crate) row_filter: &'a RowFilter,
-    pub(crate) band: &'a Band,
-    pub(crate) calibration: Option<&'a Calibration>,
-    /// The rows, together with those next to standstill that the fit leaves out; `None` if it leaves out none.
-    pub(crate) near: Option<Rows>,
+    trimmed: &'a Trimmed<'a>,
+    band: &'a Band,
+    calibration: Option<&'a Calibration>,
+    robust: RobustCovariance,
+    textbook: DMatrix<f64>,
+    misfit: Misfit,
 }
 
-/// Measured against model, row by row, and in sum.
-pub(crate) struct Comparison {
-    pub(crate) residual_rms_mnm: f64,
-    pub(crate) relative_error_percent: f64,
-    pub(crate) mean_ci95_mnm: f64,
-    pub(crate) mean_ci95_textbook_mnm: f64,
-    pub(crate) points: Vec<Point>,
-}
+/// A parameter, with its derivatives by the coefficients if it is told and not held at zero.
+type Told = (Parameter, Option<RowDVector<f64>>);
 
-impl Report<'_> {
-    /// All parameters, their covariance, and the comparison on the rows; `no_detents` is the reason if there are none.
-    pub(crate) fn parameters(&self, no_detents: Option<String>) -> (Parameters, Covariance, Comparison) {
-        let Trimmed { columns, solution, .. } = self.trimmed;
-        let textbook = solution.textbook_covariance();
-        let instruments = self.trimmed.instruments.as_ref().unwrap_or(columns);
-        let mut robust = solution.robust(instruments);
-        if let Some(curves) = &self.trimmed.curves {
-            robust.enlarge(curves.count());
+impl<'a> Report<'a> {
+    /// `near` are the rows, together with those next to standstill that the fit leaves out; `None` if it leaves out none.
+    pub(crate) fn new(
+        trimmed: &'a Trimmed<'a>,
+        band: &'a Band,
+        calibration: Option<&'a Calibration>,
+        near: Option<&Rows>,
+    ) -> Self {
+        let mut robust = trimmed.solution.robust(trimmed.instruments.as_ref().unwrap_or(&trimmed.columns));
+        if let Some(curves) = &trimmed.curves {
+            robust.enlarge(curves.points.len());
         }
-        let degrees_of_freedom = robust.degrees_of_freedom;
-        let critical = student_95(degrees_of_freedom);
-        let misfit = Misfit::of(self.trimmed, self.near.as_ref(), self.motion, &robust);
-        let mut parameters = Vec::new();
-        for (index, effect) in self.trimmed.effects().iter().enumerate() {
-            self.effect_parameters(index, effect, &robust, &textbook, &misfit, &mut parameters);
-        }
+        let misfit = Misfit::of(trimmed, near, &robust);
+        Self { trimmed, band, calibration, robust, textbook: trimmed.solution.textbook_covariance(), misfit }
+    }
+
+    /// All that the settled problem tells; `no_detents` is the reason if there are none.
+    pub(crate) fn fit(&self, no_detents: Option<String>) -> Fit {
+        let Trimmed { columns, .. } = self.trimmed;
+        let effects = self.trimmed.effects();
+        let of_effect = |(index, effect)| self.parameters(index, effect);
+        let mut told: Vec<Told> = effects.iter().enumerate().flat_map(of_effect).collect();
         if let Some(reason) = no_detents {
-            for parameter in effects::detent::KIND.parameters {
-                parameters.push(Parameter::not_identifiable(parameter.name, parameter.unit, reason.clone()));
-            }
+            let absent = |kind| (Parameter::not_identifiable(kind, reason.clone()), None);
+            told.extend(effects::detent::KIND.parameters.iter().map(absent));
         }
-        let covariance = Covariance { critical, degrees_of_freedom, ..self.covariance(&parameters, &robust.matrix) };
-        (Parameters(parameters), covariance, self.compare([&robust.matrix, &textbook], critical))
+        let covariance = self.covariance(&told);
+        let parameters = Parameters(told.into_iter().map(|(parameter, _)| parameter).collect());
+        let rows = self.sliding_rows();
+        let points = self.points(&rows, &prediction_sd(columns, &self.robust.matrix), covariance.critical);
+        let textbook_sd = prediction_sd(columns, &self.textbook);
+        Fit {
+            mean_ci95_textbook_mnm: NORMAL_95 * mean(rows.iter().map(|row| textbook_sd[*row])),
+            torque_delay_s: self.trimmed.delay_s,
+            notes: self.notes(&parameters),
+            parameters,
+            covariance,
+            effects,
+            ..Fit::default()
+        }
+        .compared(points)
     }
 
     /// Covariance of the parameters that are told and not held at zero, from that of the coefficients.
-    fn covariance(&self, parameters: &[Parameter], coefficients: &DMatrix<f64>) -> Covariance {
-        let mut order = Vec::new();
-        let mut derivatives = Vec::new();
-        for (index, effect) in self.trimmed.effects().iter().enumerate() {
-            let jacobian = self.jacobian(index, effect, coefficients);
-            for (position, (kind, _)) in effect.parameters().enumerate() {
-                // The textbook's interval is left out where a parameter is held at zero.
-                if parameters.iter().any(|estimated| estimated.name == kind.name && estimated.ci95_textbook.is_some()) {
-                    order.push(kind.name);
-                    derivatives.push(jacobian.row(position).into_owned());
-                }
-            }
-        }
+    fn covariance(&self, told: &[Told]) -> Covariance {
+        let derivatives = || told.iter().filter_map(|(_, derivatives)| derivatives.as_ref());
         let row = |left: &RowDVector<f64>| {
-            let product = left * coefficients;
-            derivatives.iter().map(|right| product.dot(right)).collect()
+            let product = left * &self.robust.matrix;
+            derivatives().map(|right| product.dot(right)).collect()
         };
-        Covariance { rows: derivatives.iter().map(row).collect(), order, ..Covariance::default() }
+        let degrees_of_freedom = self.robust.degrees_of_freedom;
+        Covariance {
+            order: told.iter().filter(|told| told.1.is_some()).map(|(parameter, _)| parameter.name).collect(),
+            rows: derivatives().map(row).collect(),
+            critical: student_95(degrees_of_freedom),
+            degrees_of_freedom,
+        }
     }
 
     /// What a reader should know besides.
-    pub(crate) fn notes(&self, parameters: &Parameters) -> Vec<String> {
+    fn notes(&self, parameters: &Parameters) -> Vec<String> {
         let mut notes: Vec<String> = parameters.0.iter().filter_map(negative_friction).collect();
         notes.extend(one_sided_friction_of(parameters));
         if let Some(RefusedDelay { delay_s, is_worth_a_note: true, .. }) = self.trimmed.refused {
@@ -107,26 +113,20 @@ impl Report<'_> {
         notes
     }
 
-    fn effect_parameters(
-        &self,
-        index: usize,
-        effect: &Effect,
-        robust: &RobustCovariance,
-        textbook: &DMatrix<f64>,
-        misfit: &Misfit,
-        parameters: &mut Vec<Parameter>,
-    ) {
-        let Some(regressors) = effect.kind().regressors else { return };
-        let jacobian = self.jacobian(index, effect, &robust.matrix);
+    /// The parameters of an effect.
+    fn parameters(&self, index: usize, effect: &Effect) -> Vec<Told> {
+        let Self { robust, misfit, .. } = self;
+        let Some(regressors) = effect.kind().regressors else { return Vec::new() };
+        let jacobian = self.jacobian(index, effect);
         let [variances, textbook] =
-            [&robust.matrix, textbook].map(|covariance| &jacobian * covariance * jacobian.transpose());
+            [&robust.matrix, &self.textbook].map(|covariance| &jacobian * covariance * jacobian.transpose());
         let gripper = match (effect.kind().part, self.calibration) {
             (Part::Inertia(_), Some(calibration)) => calibration.gripper_inertia,
             _ => 0.0,
         };
         let range = self.trimmed.problem.range(index);
         let searched_any = !regressors.searched.is_empty();
-        for (position, (kind, value)) in effect.parameters().enumerate() {
+        let parameter = |(position, (kind, value)): (usize, (&'static ParameterKind, f64))| {
             let critical = student_95(robust.degrees_of_freedom_of(&jacobian.row(position).transpose()));
             let derivatives = jacobian.row(position).into_owned();
             let by_chance = critical * variances[(position, position)].max(0.0).sqrt();
@@ -135,31 +135,29 @@ impl Report<'_> {
             let half_textbook = NORMAL_95 * textbook[(position, position)].max(0.0).sqrt();
             let linear = (!searched_any && position < range.len()).then(|| range.start + position);
             let reason = linear.and_then(|column| {
-                self.at_one_speed(column, robust, critical, misfit)
-                    .or_else(|| self.beside_a_load(column, kind.name, critical, misfit))
+                self.at_one_speed(column, critical)
+                    .or_else(|| self.beside_a_load(column, kind.name, critical))
                     .or_else(|| self.why_not_identifiable(column, kind.name, half))
             });
             if let Some(reason) = reason {
-                parameters.push(Parameter::not_identifiable(kind.name, kind.unit, reason));
-                continue;
+                return (Parameter::not_identifiable(kind, reason), None);
             }
             let value = value - gripper;
             let held = linear.is_some_and(|column| self.trimmed.solution.at_zero[column]);
             let low = if held { 0.0 } else { value - half.max(-below) };
             let half = if held { self.half_width_at_zero(range.start + position, critical) } else { half };
-            parameters.push(Parameter {
-                name: kind.name,
-                value: Some(value),
-                unit: kind.unit,
-                ci95: Some([low, value + half.max(above)]),
+            let parameter = Parameter {
                 ci95_textbook: (!held).then_some([value - half_textbook, value + half_textbook]),
-                reason: None,
-            });
-        }
+                ..Parameter::estimated(kind, value, Some([low, value + half.max(above)]))
+            };
+            (parameter, (!held).then_some(derivatives))
+        };
+        effect.parameters().enumerate().map(parameter).collect()
     }
 
     /// Derivatives of an effect's values by all fitted coefficients, by differences of a thousandth of a standard error.
-    fn jacobian(&self, index: usize, effect: &Effect, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+    fn jacobian(&self, index: usize, effect: &Effect) -> DMatrix<f64> {
+        let covariance = &self.robust.matrix;
         let problem = &self.trimmed.problem;
         let count = self.trimmed.columns.len();
         let parameters = effect.values().len();
@@ -197,7 +195,7 @@ impl Report<'_> {
 
     /// Why a friction column cannot be told apart from the other one of its direction, and what is known of both together:
     /// the speed varies by little more than the encoder's noise.
-    fn at_one_speed(&self, column: usize, robust: &RobustCovariance, critical: f64, misfit: &Misfit) -> Option<String> {
+    fn at_one_speed(&self, column: usize, critical: f64) -> Option<String> {
         let Trimmed { columns, solution, problem, .. } = self.trimmed;
         let friction = problem.effects.iter().position(|effect| effect.kind().name == effects::friction::KIND.name)?;
         let direction = column.checked_sub(problem.range(friction).start).filter(|place| *place < 4)? % 2;
@@ -214,8 +212,8 @@ impl Report<'_> {
         let together = solution.coefficients[coulomb] + solution.coefficients[viscous] * speed_rad_s;
         let mut derivatives = RowDVector::zeros(columns.len());
         (derivatives[coulomb], derivatives[viscous]) = (1.0, speed_rad_s);
-        let by_chance = critical * deviation_of_sum(&robust.matrix, derivatives.as_slice());
-        let half = by_chance.hypot(misfit.of_sum(&derivatives));
+        let by_chance = critical * deviation_of_sum(&self.robust.matrix, derivatives.as_slice());
+        let half = by_chance.hypot(self.misfit.of_sum(&derivatives));
         let [name, with] = if column == coulomb { [coulomb, viscous] } else { [viscous, coulomb] }
             .map(|column| self.column_name(column).unwrap_or_default());
         Some(format!(
@@ -227,7 +225,7 @@ impl Report<'_> {
 
     /// Why a Coulomb friction cannot be separated from a constant torque, and the sum of both directions, which can: without the bound at
     /// zero one direction's friction would surely be negative, and the other's positive.
-    fn beside_a_load(&self, column: usize, name: &str, critical: f64, misfit: &Misfit) -> Option<String> {
+    fn beside_a_load(&self, column: usize, name: &str, critical: f64) -> Option<String> {
         let Trimmed { columns, solution, problem, .. } = self.trimmed;
         let (levels, _) = problem.both_ways()?;
         if !levels.contains(&column) {
@@ -237,7 +235,7 @@ impl Report<'_> {
             let mut derivatives = RowDVector::zeros(columns.len());
             levels.iter().for_each(|level| derivatives[*level] = 1.0);
             let at: f64 = levels.iter().map(|level| solution.coefficients[*level]).sum();
-            misfit.without_bounds(&derivatives, critical).map(|[low, high]| [at + low, at + high])
+            self.misfit.without_bounds(&derivatives, critical).map(|[low, high]| [at + low, at + high])
         };
         let [negative, positive] = [interval(&levels[..1])?, interval(&levels[1..])?];
         let is_driven = |[_, high]: [f64; 2], [low, _]: [f64; 2]| high < 0.0 && low > 0.0;
@@ -254,18 +252,12 @@ impl Report<'_> {
 
     fn why_not_identifiable(&self, column: usize, name: &str, half: f64) -> Option<String> {
         let Trimmed { columns, solution, problem, .. } = self.trimmed;
-        let direction = if name.ends_with("_negative") {
-            "negative"
-        } else if name.ends_with("_positive") {
-            "positive"
-        } else {
-            ""
-        };
         if columns[column].iter().all(|value| *value == 0.0) {
-            return Some(if direction.is_empty() {
-                format!("the capture never excites {name}; sweep faster and wider")
-            } else {
-                format!("the knob never slid in the {direction} direction for long enough; sweep both ways")
+            return Some(match name.rsplit_once('_') {
+                Some((_, direction @ ("negative" | "positive"))) => {
+                    format!("the knob never slid in the {direction} direction for long enough; sweep both ways")
+                }
+                _ => format!("the capture never excites {name}; sweep faster and wider"),
             });
         }
         if let Some(with) = self.entangled(column) {
@@ -274,20 +266,19 @@ impl Report<'_> {
             ));
         }
         if name == effects::inertia::KIND.parameters[0].name {
-            let noise = self.motion.acceleration_noise_rad_s2(self.band.edge_hz);
+            let noise = problem.motion.acceleration_noise_rad_s2(self.band.edge_hz);
             let seen = rms(&columns[column]);
             if noise * noise > NOISY_ACCELERATION * seen * seen {
                 return Some(format!(
                     "the knob accelerated too little: {seen:.3} rad/s² RMS, of which {noise:.3} are sensor noise; sweep faster"
                 ));
             }
-        }
-        if name == effects::inertia::KIND.parameters[0].name && half >= solution.coefficients[column].abs() {
-            return Some(format!(
-                "the knob accelerated too little ({:.3e} rad/s² RMS): the 95 % interval of the inertia includes zero; \
-                 sweep faster",
-                rms(&columns[column])
-            ));
+            if half >= solution.coefficients[column].abs() {
+                return Some(format!(
+                    "the knob accelerated too little ({seen:.3e} rad/s² RMS): the 95 % interval of the inertia includes zero; \
+                     sweep faster"
+                ));
+            }
         }
         let used: Vec<f64> = columns[column].iter().copied().filter(|value| value.abs() > 0.0).collect();
         let torque = rms(&problem.target);
@@ -331,43 +322,29 @@ impl Report<'_> {
         })
     }
 
-    fn compare(&self, covariances: [&DMatrix<f64>; 2], critical: f64) -> Comparison {
-        let Trimmed { columns, solution, problem, .. } = self.trimmed;
-        let half_widths = covariances.map(|covariance| prediction_sd(columns, covariance));
-        let rows = self.sliding_rows();
-        let count: f64 = rows.iter().map(|_| 1.0).sum();
-        let mean = |widths: &[f64]| rows.iter().map(|row| widths[*row]).sum::<f64>() / f64::max(count, 1.0);
-        let points = rows
-            .iter()
-            .map(|row| {
-                let sample = row * self.row_filter.step;
-                Point {
-                    t_s: self.motion.time_s[sample],
-                    angle_rad: self.motion.angle_rad[sample],
-                    velocity_rad_s: self.motion.velocity_rad_s[sample],
-                    acceleration_rad_s2: self.motion.acceleration_rad_s2[sample],
-                    torque_mnm: problem.target[*row],
-                    torque_model_mnm: problem.target[*row] - solution.residual[*row],
-                    torque_model_ci95_mnm: critical * half_widths[0][*row],
-                    residual_mnm: solution.residual[*row],
-                }
-            })
-            .collect();
-        let of = |values: &[f64]| rms(&rows.iter().map(|row| values[*row]).collect::<Vec<_>>());
-        Comparison {
-            residual_rms_mnm: of(&solution.residual),
-            relative_error_percent: 100.0 * of(&solution.residual) / of(&problem.target),
-            mean_ci95_mnm: critical * mean(&half_widths[0]),
-            mean_ci95_textbook_mnm: NORMAL_95 * mean(&half_widths[1]),
-            points,
-        }
+    /// Measured against model in these rows, with the model's standard deviation in every row.
+    fn points(&self, rows: &[usize], deviation_mnm: &[f64], critical: f64) -> Vec<Point> {
+        let Trimmed { solution, problem, .. } = self.trimmed;
+        let point = |row: &usize| {
+            let motion = problem.motion.at(row * problem.row_filter.step);
+            Point {
+                t_s: motion.time_s,
+                angle_rad: motion.angle_rad,
+                velocity_rad_s: motion.velocity_rad_s,
+                acceleration_rad_s2: motion.acceleration_rad_s2,
+                torque_mnm: problem.target[*row],
+                torque_model_mnm: problem.target[*row] - solution.residual[*row],
+                torque_model_ci95_mnm: critical * deviation_mnm[*row],
+                residual_mnm: solution.residual[*row],
+            }
+        };
+        rows.iter().map(point).collect()
     }
 
     /// Rows whose middle is not masked at all.
     fn sliding_rows(&self) -> Vec<usize> {
-        (0..self.trimmed.problem.target.len())
-            .filter(|row| self.row_filter.mask[row * self.row_filter.step] >= 1.0)
-            .collect()
+        let Problem { row_filter, target, .. } = &self.trimmed.problem;
+        (0..target.len()).filter(|row| row_filter.mask[row * row_filter.step] >= 1.0).collect()
     }
 }
 
@@ -402,7 +379,7 @@ pub(crate) fn one_sided_friction([negative, positive]: [f64; 2]) -> Option<Strin
 }
 
 /// Standard deviation of the predicted torque, row by row.
-fn prediction_sd(columns: &[Column], covariance: &DMatrix<f64>) -> Vec<f64> {
+pub(crate) fn prediction_sd<C: Deref<Target = [f64]>>(columns: &[C], covariance: &DMatrix<f64>) -> Vec<f64> {
     let rows = columns.first().map_or(0, |column| column.len());
     let mut deviation = vec![0.0; rows];
     vector::quadratic_form(columns, covariance, &mut deviation);

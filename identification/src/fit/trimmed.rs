@@ -104,7 +104,6 @@ impl<'a> Trimmed<'a> {
 
     /// Solves again with what the points of measured curves can do left out of the other columns: the curves stay as they are, and how little
     /// is known of them joins what is known of the rest.
-    #[allow(clippy::cast_precision_loss, reason = "numbers of rows and points")]
     pub(super) fn project_curves_out(&mut self, curves: CurveProjection) {
         let Self { problem, columns, target, .. } = self;
         let less = |column: &[f64], part: &[f64]| -> Vec<f64> {
@@ -137,9 +136,9 @@ impl<'a> Trimmed<'a> {
             beyond.iter_mut().zip(&*columns[index]).for_each(|(sum, value)| *sum += value);
         }
         *target = beyond.into();
-        let mut nonnegative = problem.nonnegative().to_vec();
+        let mut nonnegative = problem.nonnegative.clone();
         nonnegative.resize(columns.len(), false);
-        let share = 1.0 - curves.count() as f64 / target.len() as f64;
+        let share = 1.0 - curves.points.len() as f64 / target.len() as f64;
         let noise = problem.column_noise().into_iter();
         let noise: Vec<Correction> = noise
             .map(|noise| Correction { square: share * noise.square, product: share * noise.product, ..noise })
@@ -173,9 +172,9 @@ pub(super) fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed
     let (columns, extended) = problem.solve_with(&with_delay);
     let delay_index = columns.len() - 1;
     let delay_s = extended.coefficients[delay_index];
-    let significant = delay_s.abs() > DELAY_SIGNIFICANCE * extended.robust_deviation(&columns, delay_index)
-        && extended.improves(solution);
     let left = |solution: &LeastSquares| dot(&solution.residual, &solution.residual);
+    let significant = delay_s.abs() > DELAY_SIGNIFICANCE * extended.robust_deviation(&columns, delay_index)
+        && left(&extended) < (1.0 - 1e-6) * left(solution);
     let small = delay_s.abs() <= LARGEST_DELAY_SAMPLES / problem.row_filter.rate_hz;
     if significant && small {
         // The delay shifts the searched parameters too: the column takes it out, then they settle again.

@@ -5,22 +5,17 @@
 //! blurred by its filter and by what the rig does once the knob is gone; the ramp is not. The speed Δv is the one
 //! with which the knob arrives at its rest, by the same trajectory run backwards.
 
-mod ramp;
-mod readings;
-mod rests;
 mod slide;
 
 use std::ops::Range;
 
-use dynamics::{Direction, Effect, effects};
+use dynamics::{Direction, Effect, Minimum, ParameterKind, effects};
 
 use crate::estimate::{Parameter, Parameters};
 use crate::preparation::motion::KnobMotion;
 use crate::preparation::uniform::Uniform;
-
-use ramp::ramp_end;
-use readings::Readings;
-use rests::rests;
+use crate::regression::least_squares::LeastSquares;
+use crate::uncertainty::statistics::{NORMAL_95, mean, mean_and_error, student_95};
 use slide::{Border, Side, Slide};
 
 /// Shortest rest that counts, s.
@@ -35,9 +30,15 @@ const SHORTER_RAMP_S: f64 = 0.002;
 const FEWEST_SAMPLES: usize = 12;
 /// Time that the shaft is given to calm down after the knob came to rest, s.
 const CALM_S: f64 = 0.001;
-
+/// Fewest readings from which a value is given.
+const FEWEST_READINGS: usize = 3;
 /// Speed at rest, in standard deviations of the velocity's noise.
 const AT_REST: f64 = 8.0;
+/// Standard deviations of the angle's noise that a resting angle may span: a rest on the edge between two steps of the
+/// encoder spans one step, which is 3.5 of them.
+const SPAN: f64 = 6.0;
+/// What rounding does to an angle without noise, rad.
+const ROUNDING_RAD: f64 = 1e-9;
 
 /// The rests of a capture and what their ends tell.
 pub(crate) struct Stick {
@@ -53,7 +54,6 @@ pub(crate) struct Stick {
 
 impl Stick {
     /// Looks for rests and at their ends; `fitted` is what has been fitted so far.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths of a few samples")]
     pub(crate) fn of(uniform: &Uniform, motion: &KnobMotion, fitted: &[Effect]) -> Self {
         let rate_hz = uniform.rate_hz;
         let samples = |time_s: f64| ((time_s * rate_hz).round() as usize).max(FEWEST_SAMPLES);
@@ -117,27 +117,26 @@ impl Stick {
             "the knob came to rest {} and broke away in the {direction} direction {} so that it could be read off, but \
              {} breakaways are needed; hold it still between slow sweeps",
             times(self.rests),
-            times(seen.count()),
-            readings::FEWEST
+            times(seen.values.len()),
+            FEWEST_READINGS
         )
     }
 
     /// Δv, or the bound that the data give.
-    fn speed(&self, kind: &dynamics::ParameterKind) -> Parameter {
+    fn speed(&self, kind: &ParameterKind) -> Parameter {
         let parameter = self.arrivals_rad_s.parameter(kind, || {
             format!(
                 "the knob came to rest {}, of which {} can be read for its speed, but {} are needed; \
                  from {:.4} rad/s on this capture can tell it from rest",
                 times(self.rests),
-                self.arrivals_rad_s.count(),
-                readings::FEWEST,
+                self.arrivals_rad_s.values.len(),
+                FEWEST_READINGS,
                 self.resolved_rad_s
             )
         });
         match parameter.ci95 {
             Some([low, high]) if low <= 0.0 => Parameter::not_identifiable(
-                kind.name,
-                kind.unit,
+                kind,
                 format!(
                     "the speed at which the knob comes to rest cannot be distinguished from zero: it is at most {high:.4} rad/s"
                 ),
@@ -156,7 +155,7 @@ fn breakaway(
     length: usize,
     calm: f64,
 ) -> Option<f64> {
-    let long_enough = away.instant - slide::to_f64(rest.start) > slide::to_f64(length) + calm;
+    let long_enough = away.instant - rest.start as f64 > length as f64 + calm;
     if !long_enough {
         return None;
     }
@@ -171,5 +170,108 @@ fn times(count: usize) -> String {
         1 => "once".to_owned(),
         2 => "twice".to_owned(),
         more => format!("{more} times"),
+    }
+}
+
+/// Stretches of at least `shortest` samples in which every window of that length spans no more than noise does.
+fn rests(angle_rad: &[f64], noise_rad: f64, measured: &[bool], shortest: usize) -> Vec<Range<usize>> {
+    let tolerance_rad = SPAN * noise_rad + ROUNDING_RAD;
+    let mut rests: Vec<Range<usize>> = Vec::new();
+    let mut open = false;
+    for (first, window) in angle_rad.windows(shortest.max(1)).enumerate() {
+        let end = first + window.len();
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        // Gives up at the first sample that is too far away: a moving knob costs little.
+        let spans_little = window.iter().all(|angle_rad| {
+            (low, high) = (low.min(*angle_rad), high.max(*angle_rad));
+            high - low <= tolerance_rad
+        });
+        let still = spans_little && measured[first..end].iter().all(|measured| *measured);
+        match rests.last_mut() {
+            Some(rest) if still && open => rest.end = end,
+            _ if still => rests.push(first..end),
+            _ => {}
+        }
+        open = still;
+    }
+    rests
+}
+
+/// Reads `received_mnm`, which comes `delay` samples late, at `instant` (in samples) off a parabola through the last
+/// `length` samples received up to then: none of them has seen anything that happened after.
+fn ramp_end(received_mnm: &[f64], delay: f64, instant: f64, length: usize) -> Option<f64> {
+    let last = instant.floor().max(0.0) as usize;
+    let first = (last + 1).checked_sub(length)?;
+    let torque = received_mnm.get(first..=last)?;
+    let before: Vec<f64> = (first..=last).map(|index| (index as f64 - delay - instant) / length as f64).collect();
+    let columns = [vec![1.0; length], before.clone(), before.iter().map(|time| time * time).collect()];
+    let parabola = LeastSquares::solve(&columns, torque);
+    Some(parabola.coefficients[0])
+}
+
+/// Readings of one quantity.
+#[derive(Clone, Debug, Default)]
+struct Readings {
+    values: Vec<f64>,
+    /// The same read in another way.
+    others: Vec<f64>,
+}
+
+impl Readings {
+    fn push(&mut self, value: f64, other: f64) {
+        self.values.push(value);
+        self.others.push(other);
+    }
+
+    /// Mean and interval; `why` says why there is none.
+    ///
+    /// The readings' scatter counts with Student's quantile. What the way of reading does to all of them alike the mean
+    /// does not take off: the means of both ways differ by it, and it counts as an error anywhere between plus and
+    /// minus that difference, whose standard deviation is a √3-th of it (Guide to the Expression of Uncertainty in
+    /// Measurement, 4.3.7). The textbook's interval is the scatter alone.
+    fn parameter(&self, kind: &ParameterKind, why: impl FnOnce() -> String) -> Parameter {
+        if self.values.len() < FEWEST_READINGS {
+            return Parameter::not_identifiable(kind, why());
+        }
+        let (value, standard_error) = mean_and_error(&self.values);
+        let scatter = student_95((self.values.len() - 1) as f64) * standard_error;
+        let difference = mean(&self.others) - value;
+        let half = scatter.hypot(NORMAL_95 * difference / 3.0_f64.sqrt());
+        let lowest = if kind.minimum == Minimum::None { f64::NEG_INFINITY } else { 0.0 };
+        let interval = |half: f64| [(value - half).max(lowest), value + half];
+        Parameter {
+            ci95_textbook: Some(interval(scatter)),
+            ..Parameter::estimated(kind, value.max(lowest), Some(interval(half)))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ramp_end, rests};
+
+    #[test]
+    fn a_bent_ramp_that_arrives_late_is_read_at_the_instant() {
+        let torque = |time: f64| 3.0 + 0.2 * time - 0.001 * time * time;
+        let received: Vec<f64> = (0..100).map(|n| torque(f64::from(n) - 1.7)).collect();
+        let read = ramp_end(&received, 1.7, 60.4, 20).expect("the ramp lies within the samples");
+        assert!((read - torque(60.4)).abs() < 1e-9, "{read}");
+    }
+
+    #[test]
+    fn a_rest_between_two_motions_is_found_and_a_reversal_is_not_one() {
+        // 100 samples of motion, 60 at rest, on again, then a parabola that only reverses.
+        let moving = |n: usize| 1e-3 * f64::from(u32::try_from(n).unwrap_or(0));
+        let angle: Vec<f64> = (0..400)
+            .map(|n| match n {
+                0..100 => moving(n),
+                100..160 => moving(100),
+                160..300 => moving(n - 60),
+                _ => moving(240) - 1e-4 * (moving(n) * 1e3 - 350.0).powi(2),
+            })
+            .collect();
+        let found = rests(&angle, 1e-5, &vec![true; angle.len()], 20);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].start.abs_diff(100) <= 1 && found[0].end.abs_diff(160) <= 1, "{found:?}");
     }
 }

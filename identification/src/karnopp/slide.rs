@@ -59,12 +59,6 @@ pub(super) enum Side {
     After,
 }
 
-/// A trial of one instant.
-struct Trial {
-    squares: f64,
-    border: Border,
-}
-
 impl Slide<'_> {
     /// The border near one end of a rest; `None` where the knob creeps, is stopped by something else, or the capture ends.
     ///
@@ -84,30 +78,29 @@ impl Slide<'_> {
         let trial = |instant: f64| self.trial(instant, first..last + 1, side, direction);
         // An angle that is still within the noise may have left some time ago.
         let best = (first + window / 4..=last - window / 4)
-            .map(|index| (index, trial(to_f64(index)).squares))
+            .map(|index| (index, trial(index as f64).0))
             .min_by(|a, b| a.1.total_cmp(&b.1))?
             .0;
-        let (mut low, mut high) = (to_f64(best) - 1.0, to_f64(best) + 1.0);
+        let (mut low, mut high) = (best as f64 - 1.0, best as f64 + 1.0);
         for _ in 0..ROUNDS {
             let (left, right) = (low + GOLDEN * (high - low), high - GOLDEN * (high - low));
-            if trial(left).squares <= trial(right).squares {
+            if trial(left).0 <= trial(right).0 {
                 high = right;
             } else {
                 low = left;
             }
         }
-        let Trial { squares, border } = trial(0.5 * (low + high));
-        let rms_rad = (squares / to_f64(last + 1 - first)).sqrt();
+        let (squares, border) = trial(0.5 * (low + high));
+        let rms_rad = (squares / (last + 1 - first) as f64).sqrt();
         let limit_rad = FITS * self.noise_rad + LACKING * moved_rad.abs();
         let near = (0.5 * (low + high)).round().max(0.0);
         let at = Motion { angle_rad: border.rest_rad, ..Motion::default() };
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index within the window")]
         let acceleration_rad_s2 = self.acceleration_rad_s2(self.torque_mnm[near as usize], &at, direction).abs();
         (rms_rad <= limit_rad).then_some(Border { acceleration_rad_s2, ..border })
     }
 
-    /// Least squares for angle at rest and speed with the instant given.
-    fn trial(&self, instant: f64, window: Range<usize>, side: Side, direction: Direction) -> Trial {
+    /// Least squares for angle at rest and speed with the instant given: the sum of squares left, and the border.
+    fn trial(&self, instant: f64, window: Range<usize>, side: Side, direction: Direction) -> (f64, Border) {
         let displacement = self.displacement(instant, &window, side, direction);
         let left: Vec<f64> =
             window.clone().zip(&displacement).map(|(index, moved)| self.angle_rad[index] - moved).collect();
@@ -115,9 +108,9 @@ impl Slide<'_> {
         let total: f64 = left.iter().map(|value| (value - mean).powi(2)).sum();
         let mut border = Border { instant, direction, speed_rad_s: 0.0, rest_rad: mean, acceleration_rad_s2: 0.0 };
         if side == Side::After {
-            return Trial { squares: total, border };
+            return (total, border);
         }
-        let since: Vec<f64> = window.map(|index| (to_f64(index) - instant).min(0.0) / self.rate_hz).collect();
+        let since: Vec<f64> = window.map(|index| (index as f64 - instant).min(0.0) / self.rate_hz).collect();
         let since_mean = statistics::mean(&since);
         let square: f64 = since.iter().map(|value| (value - since_mean).powi(2)).sum();
         let product: f64 = since.iter().zip(&left).map(|(time, value)| (time - since_mean) * (value - mean)).sum();
@@ -126,7 +119,7 @@ impl Slide<'_> {
             border.speed_rad_s = slope * direction.sign();
             border.rest_rad = mean - slope * since_mean;
         }
-        Trial { squares: total - if square > 0.0 { product * product / square } else { 0.0 }, border }
+        (total - if square > 0.0 { product * product / square } else { 0.0 }, border)
     }
 
     /// Distance from rest at every sample of the window for a knob that slides from or up to `instant`, speed zero there.
@@ -137,17 +130,17 @@ impl Slide<'_> {
             indices.reverse();
         }
         let beyond =
-            |index: &usize| if side == Side::After { to_f64(*index) > instant } else { to_f64(*index) < instant };
+            |index: &usize| if side == Side::After { *index as f64 > instant } else { (*index as f64) < instant };
         let whole = indices.iter().copied().find(beyond);
         let Some(first) = whole else { return displacement };
         let neighbour = if side == Side::After { first.saturating_sub(1) } else { first + 1 };
-        let share = (instant - to_f64(first)).abs();
+        let share = (instant - first as f64).abs();
         let mut at = Motion { angle_rad: self.angle_rad[neighbour], ..Motion::default() };
         let rest_rad = at.angle_rad;
         let mut time = instant;
         let mut torque = self.torque_mnm[first] + share * (self.torque_mnm[neighbour] - self.torque_mnm[first]);
         for index in indices.into_iter().filter(beyond) {
-            let step_s = (to_f64(index) - time) / self.rate_hz;
+            let step_s = (index as f64 - time) / self.rate_hz;
             let next = self.torque_mnm[index];
             let before = self.acceleration_rad_s2(torque, &at, direction);
             let ahead = Motion {
@@ -160,7 +153,7 @@ impl Slide<'_> {
             at.angle_rad += step_s * (at.velocity_rad_s + step_s * (2.0 * before + after) / 6.0);
             at.velocity_rad_s += 0.5 * step_s * (before + after);
             displacement[index - window.start] = at.angle_rad - rest_rad;
-            (time, torque) = (to_f64(index), next);
+            (time, torque) = (index as f64, next);
         }
         displacement
     }
@@ -181,9 +174,4 @@ impl Slide<'_> {
         let at = Motion { angle_rad, ..Motion::default() };
         self.effects.iter().map(|effect| effect.free_torque_mnm(&at)).sum()
     }
-}
-
-#[allow(clippy::cast_precision_loss, reason = "an index of a sample")]
-pub(super) fn to_f64(index: usize) -> f64 {
-    index as f64
 }

@@ -1,12 +1,15 @@
 //! Torque and base columns gathered by angle: the detent scan of a stream that is not kept.
 
+use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use nalgebra::DMatrix;
-use realfft::{RealFftPlanner, num_complex::Complex};
+use nalgebra::{DMatrix, DVector, DVectorView};
+use realfft::num_complex::Complex;
 
+use super::blocks::MOST_COLUMNS;
 use crate::detents::scan::{FEWEST_PERIODS, background_of, gram_inverse, power, vertex_of};
 use crate::detents::{WORTHWHILE_AMPLITUDE, WORTHWHILE_SHARE};
+use crate::numerics::fourier;
 
 /// Most bins; when the travel outgrows them, neighbours merge.
 const MOST_BINS: usize = 8192;
@@ -19,10 +22,9 @@ const BINS_PER_PERIOD: f64 = 20.0;
 /// What the best period must stand above the background.
 const MARGIN: f64 = 14.0;
 
-/// What a transform takes besides its work, kept from scan to scan: its plan, and pages that need not be mapped anew.
-#[derive(Default)]
+/// What a transform takes besides its work, kept from scan to scan: pages that need not be mapped anew.
+#[derive(Debug, Default)]
 struct Transform {
-    planner: RealFftPlanner<f64>,
     input: Vec<f64>,
     output: Vec<Complex<f64>>,
     scratch: Vec<Complex<f64>>,
@@ -31,7 +33,7 @@ struct Transform {
 impl Transform {
     /// The first `count` of Σ value·exp(ikn), the values padded with zeros to `length`.
     fn start_of(&mut self, values: impl Iterator<Item = f64>, length: usize, count: usize) -> Vec<Complex<f64>> {
-        let plan = self.planner.plan_fft_forward(length);
+        let plan = fourier::forward(length);
         self.input.clear();
         self.input.extend(values);
         self.input.resize(length, 0.0);
@@ -44,23 +46,16 @@ impl Transform {
     }
 }
 
-impl std::fmt::Debug for Transform {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.debug_struct("Transform").field("length", &self.input.len()).finish_non_exhaustive()
-    }
-}
-
 /// Sums of unfiltered columns and torque by angle.
 #[derive(Debug)]
 pub(super) struct AngleBins {
-    width: usize,
     bin_rad: f64,
     /// Angle of the first bin's lower edge, in bins.
     first: i64,
     /// Per bin: number of samples, then the columns' sums.
-    sums: Vec<f64>,
-    bins: usize,
-    gram: Vec<f64>,
+    sums: VecDeque<[f64; MOST_COLUMNS]>,
+    /// Inner products of the rows' columns.
+    gram: DMatrix<f64>,
     transform: Transform,
 }
 
@@ -77,119 +72,76 @@ impl AngleBins {
     /// For rows of `width` columns, the last of them the torque.
     pub(super) fn new(width: usize) -> Self {
         Self {
-            width,
             bin_rad: FIRST_WIDTH_RAD,
             first: 0,
-            sums: Vec::new(),
-            bins: 0,
-            gram: vec![0.0; width * width],
+            sums: VecDeque::new(),
+            gram: DMatrix::zeros(width, width),
             transform: Transform::default(),
         }
     }
 
     /// Distance between the outermost angles, rad.
-    #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
     pub(super) fn travel_rad(&self) -> f64 {
-        self.bins as f64 * self.bin_rad
+        self.sums.len() as f64 * self.bin_rad
     }
 
     /// Middle of the travel, rad.
-    #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
     pub(super) fn middle_rad(&self) -> f64 {
-        (self.first as f64 + 0.5 * self.bins as f64) * self.bin_rad
+        (self.first as f64 + 0.5 * self.sums.len() as f64) * self.bin_rad
     }
 
     /// Adds a sample.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_precision_loss,
-        clippy::cast_sign_loss,
-        reason = "indices of bins"
-    )]
     pub(super) fn add(&mut self, angle_rad: f64, row: &[f64]) {
-        for (index, left) in row.iter().enumerate() {
-            for (other, right) in row.iter().enumerate() {
-                self.gram[index * self.width + other] += left * right;
-            }
-        }
+        let columns = DVectorView::from_slice(row, row.len());
+        self.gram.ger(1.0, &columns, &columns, 1.0);
         self.make_room(angle_rad);
         // Shared between the two nearest bin middles, so that a bin's width hardly shows.
         let place = angle_rad / self.bin_rad - 0.5 - self.first as f64;
         let lower = place.floor();
         let share = place - lower;
         for (bin, weight) in [(lower as i64, 1.0 - share), (lower as i64 + 1, share)] {
-            let bin = bin.clamp(0, self.bins as i64 - 1) as usize;
-            let sums = &mut self.sums[bin * (self.width + 1)..(bin + 1) * (self.width + 1)];
+            let bin = bin.clamp(0, self.sums.len() as i64 - 1) as usize;
+            let sums = &mut self.sums[bin];
             sums[0] += weight;
             sums[1..].iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
         }
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_precision_loss,
-        clippy::cast_sign_loss,
-        reason = "indices of bins"
-    )]
     fn make_room(&mut self, angle_rad: f64) {
-        let stride = self.width + 1;
         loop {
             let bin = (angle_rad / self.bin_rad).floor() as i64;
-            if self.bins == 0 {
+            if self.sums.is_empty() {
                 self.first = bin;
-                self.bins = 1;
-                self.sums = vec![0.0; stride];
+            }
+            let last = self.first + self.sums.len() as i64 - 1;
+            let (low, high) = (bin.min(self.first), bin.max(last));
+            if high - low < MOST_BINS as i64 {
+                (low..self.first).for_each(|_| self.sums.push_front([0.0; MOST_COLUMNS]));
+                self.first = low;
+                self.sums.resize((high - low + 1) as usize, [0.0; MOST_COLUMNS]);
                 return;
             }
-            let (low, high) = (bin.min(self.first), bin.max(self.first + self.bins as i64 - 1));
-            if high - low >= MOST_BINS as i64 {
-                self.coarsen();
-                continue;
-            }
-            if low < self.first {
-                let more = (self.first - low) as usize * stride;
-                self.sums.splice(0..0, std::iter::repeat_n(0.0, more));
-                self.first = low;
-            }
-            self.bins = (high - low + 1) as usize;
-            self.sums.resize(self.bins * stride, 0.0);
-            return;
+            self.coarsen();
         }
     }
 
-    #[allow(
-        clippy::cast_possible_wrap,
-        clippy::cast_sign_loss,
-        clippy::cast_possible_truncation,
-        reason = "indices of bins"
-    )]
     fn coarsen(&mut self) {
-        let stride = self.width + 1;
         let first = self.first.div_euclid(2);
-        let bins = ((self.first + self.bins as i64 - 1).div_euclid(2) - first + 1) as usize;
-        let mut sums = vec![0.0; bins * stride];
-        for bin in 0..self.bins {
-            let target = ((self.first + bin as i64).div_euclid(2) - first) as usize;
-            for index in 0..stride {
-                sums[target * stride + index] += self.sums[bin * stride + index];
+        let mut coarse = VecDeque::new();
+        for (bin, sums) in (self.first..).zip(&self.sums) {
+            coarse.resize((bin.div_euclid(2) - first + 1) as usize, [0.0; MOST_COLUMNS]);
+            if let Some(coarse) = coarse.back_mut() {
+                coarse.iter_mut().zip(sums).for_each(|(sum, value)| *sum += value);
             }
         }
-        self.sums = sums;
-        self.first = first;
-        self.bins = bins;
+        (self.first, self.sums) = (first, coarse);
         self.bin_rad *= 2.0;
     }
 
     /// The best period, given the base coefficients; `None` while the travel supports none.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_precision_loss,
-        clippy::cast_sign_loss,
-        reason = "indices of wavenumbers"
-    )]
     pub(super) fn scan(&mut self, coefficients: &[f64], slow_rad_s: f64, band_hz: f64) -> Option<Scan> {
-        let columns = self.width - 1;
-        let length = (OVERSAMPLING * self.bins).next_power_of_two();
+        let columns = self.gram.nrows() - 1;
+        let length = (OVERSAMPLING * self.sums.len()).next_power_of_two();
         let spacing = TAU / (length as f64 * self.bin_rad);
         let travel_rad = self.travel_rad();
         let first = (FEWEST_PERIODS * TAU / travel_rad / spacing).ceil() as usize;
@@ -198,8 +150,7 @@ impl AngleBins {
         if last <= first + 2 * OVERSAMPLING {
             return None;
         }
-        let gram = DMatrix::from_fn(columns, columns, |row, column| self.gram[row * self.width + column]);
-        let inverse = ridge_inverse(&gram);
+        let inverse = ridge_inverse(&self.gram.view((0, 0), (columns, columns)).into_owned());
         let mut spectra = self.spectra(length, 2 * last + 1);
         let mut residual = spectra.pop()?;
         let weights = spectra.remove(0);
@@ -219,7 +170,7 @@ impl AngleBins {
             .collect();
         let background = background_of(&mut elsewhere);
         let total = self.residual_square(coefficients);
-        let torque_square = self.gram[self.width * self.width - 1];
+        let torque_square = self.gram[(columns, columns)];
         let samples = weights[0].re;
         let amplitude = (2.0 * powers[best] / samples).sqrt();
         let clear = powers[best] > (2.0 * (powers.len() as f64 / peak).max(1.0).ln() + MARGIN) * background;
@@ -231,26 +182,16 @@ impl AngleBins {
     /// Sum of squares that the base coefficients leave of the unfiltered torque.
     fn residual_square(&self, coefficients: &[f64]) -> f64 {
         // The residual is the sum of all columns, the torque's the last, with these weights.
-        let weights: Vec<f64> = coefficients.iter().map(|value| -value).chain([1.0]).collect();
-        let mut sum = 0.0;
-        for (row, left) in weights.iter().enumerate() {
-            for (column, right) in weights.iter().enumerate() {
-                sum += left * right * self.gram[row * self.width + column];
-            }
-        }
-        sum.max(0.0)
+        let weights = coefficients.iter().map(|value| -value).chain([1.0]);
+        let weights = DVector::from_iterator(self.gram.nrows(), weights);
+        weights.dot(&(&self.gram * &weights)).max(0.0)
     }
 
     /// Σ value·exp(ikθ) for the counts and every column, θ from the middle of the first bin: the `count` longest waves.
     fn spectra(&mut self, length: usize, count: usize) -> Vec<Vec<Complex<f64>>> {
-        let Self { sums, transform, .. } = self;
-        let stride = self.width + 1;
-        (0..stride)
-            .map(|column| {
-                let values = sums.chunks_exact(stride).map(|sums| sums[column]);
-                transform.start_of(values, length, count)
-            })
-            .collect()
+        let Self { sums, gram, transform, .. } = self;
+        let of = |column| transform.start_of(sums.iter().map(|sums: &[f64; MOST_COLUMNS]| sums[column]), length, count);
+        (0..=gram.nrows()).map(of).collect()
     }
 }
 

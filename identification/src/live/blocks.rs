@@ -1,7 +1,10 @@
-//! Gram matrices of blocks of rows: all that least squares and its intervals need, in bounded memory.
+//! Rows of a stream, and Gram matrices of blocks of them: all that least squares and its intervals need, in bounded memory.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVectorView};
 
+use crate::preparation::filter::Fir;
+use crate::preparation::motion::ROWS_PER_EDGE;
+use crate::preparation::uniform::whole;
 use crate::regression::gram;
 use crate::uncertainty::statistics::student_95;
 
@@ -17,9 +20,7 @@ const COLLINEAR: f64 = 1e-7;
 /// The Gram matrices of consecutive blocks of rows; the last column of a row is the torque.
 #[derive(Clone, Debug)]
 pub(super) struct Blocks {
-    width: usize,
-    /// Packed lower triangles.
-    blocks: Vec<Vec<f64>>,
+    blocks: Vec<DMatrix<f64>>,
     length: u64,
     in_last: u64,
     rows: u64,
@@ -44,7 +45,6 @@ pub(super) struct Solution {
 
 impl Solution {
     /// Half width of a 95 % interval over the standard deviation, which the scatter of the blocks gives.
-    #[allow(clippy::cast_precision_loss, reason = "a number of blocks")]
     pub(super) fn critical(&self) -> f64 {
         student_95(self.blocks as f64 - 1.0)
     }
@@ -52,63 +52,48 @@ impl Solution {
 
 impl Blocks {
     pub(super) fn new(width: usize) -> Self {
-        Self { width, blocks: vec![vec![0.0; packed(width)]], length: FIRST_LENGTH, in_last: 0, rows: 0 }
+        Self { blocks: vec![DMatrix::zeros(width, width)], length: FIRST_LENGTH, in_last: 0, rows: 0 }
+    }
+
+    fn width(&self) -> usize {
+        self.blocks[0].nrows()
     }
 
     /// Columns without the torque.
     pub(super) fn columns(&self) -> usize {
-        self.width - 1
+        self.width() - 1
     }
 
     /// Adds a row.
     pub(super) fn add(&mut self, row: &[f64]) {
         if self.in_last == self.length {
             if self.blocks.len() == MOST_BLOCKS {
-                self.merge();
-            } else {
-                self.blocks.push(vec![0.0; packed(self.width)]);
-                self.in_last = 0;
+                self.blocks = self.blocks.chunks_exact(2).map(|pair| &pair[0] + &pair[1]).collect();
+                self.length *= 2;
             }
+            self.blocks.push(DMatrix::zeros(self.width(), self.width()));
+            self.in_last = 0;
         }
         if let Some(last) = self.blocks.last_mut() {
-            let mut slot = last.iter_mut();
-            for (index, left) in row.iter().enumerate() {
-                for (right, sum) in row[..=index].iter().zip(&mut slot) {
-                    *sum += left * right;
-                }
-            }
+            let row = DVectorView::from_slice(row, row.len());
+            last.ger(1.0, &row, &row, 1.0);
         }
         self.in_last += 1;
         self.rows += 1;
     }
 
-    fn merge(&mut self) {
-        for index in 0..MOST_BLOCKS / 2 {
-            let second = std::mem::take(&mut self.blocks[2 * index + 1]);
-            let mut first = std::mem::take(&mut self.blocks[2 * index]);
-            first.iter_mut().zip(&second).for_each(|(sum, value)| *sum += value);
-            self.blocks[index] = first;
-        }
-        self.blocks.truncate(MOST_BLOCKS / 2);
-        self.blocks.push(vec![0.0; packed(self.width)]);
-        self.length *= 2;
-        self.in_last = 0;
-    }
-
     /// Solves with the first `columns` columns.
     pub(super) fn solve(&self, columns: usize) -> Option<Solution> {
-        let mut map = DMatrix::zeros(columns + 1, self.width);
-        map[(0, self.width - 1)] = 1.0;
+        let mut map = DMatrix::zeros(columns + 1, self.width());
+        map[(0, self.width() - 1)] = 1.0;
         (0..columns).for_each(|index| map[(index + 1, index)] = 1.0);
         self.solve_mapped(&map)
     }
 
     /// Solves with columns that are sums of the stored ones: `map` has a first row for the torque, and one for each.
-    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     pub(super) fn solve_mapped(&self, map: &DMatrix<f64>) -> Option<Solution> {
         let columns = map.nrows() - 1;
-        let blocks: Vec<DMatrix<f64>> =
-            self.blocks.iter().map(|block| map * self.unpacked(block) * map.transpose()).collect();
+        let blocks: Vec<DMatrix<f64>> = self.blocks.iter().map(|block| map * block * map.transpose()).collect();
         let total = gram::sum(blocks.iter(), columns + 1);
         if self.rows == 0 || total[(0, 0)] <= 0.0 {
             return None;
@@ -129,15 +114,72 @@ impl Blocks {
             coefficients: solved.coefficients,
         })
     }
-
-    fn unpacked(&self, block: &[f64]) -> DMatrix<f64> {
-        DMatrix::from_fn(self.width, self.width, |row, column| {
-            let (high, low) = if row >= column { (row, column) } else { (column, row) };
-            block[packed(high) + low]
-        })
-    }
 }
 
-fn packed(width: usize) -> usize {
-    width * (width + 1) / 2
+/// The common low-pass and decimation, over several columns at once.
+#[derive(Clone, Debug)]
+pub(super) struct RowFilter {
+    fir: Fir,
+    step: usize,
+    pub(super) width: usize,
+    /// The last samples, column by column after each other in a row, twice over so that they lie in one piece.
+    history: Vec<f64>,
+    next: usize,
+    since_row: usize,
+    /// Whether any unmasked sample is in the history.
+    unmasked: usize,
+    mask: Vec<bool>,
+    row: [f64; MOST_COLUMNS],
+}
+
+impl RowFilter {
+    pub(super) fn new(rate_hz: f64, band_hz: f64, width: usize) -> Self {
+        let half_length = (1.65 * rate_hz / band_hz).round() as usize;
+        let length = 2 * half_length + 1;
+        Self {
+            fir: Fir::low_pass(half_length, band_hz, rate_hz),
+            step: whole(rate_hz / (ROWS_PER_EDGE * band_hz)).max(1),
+            width,
+            history: vec![0.0; 2 * length * width],
+            next: 0,
+            since_row: 0,
+            unmasked: 0,
+            mask: vec![false; length],
+            row: [0.0; MOST_COLUMNS],
+        }
+    }
+
+    /// Forgets the history: what follows does not continue it.
+    pub(super) fn restart(&mut self) {
+        self.history.fill(0.0);
+        self.mask.fill(false);
+        self.unmasked = 0;
+        self.since_row = 0;
+    }
+
+    /// Takes one sample (zeros if masked) and gives a row every `step` samples unless all it sees is masked.
+    pub(super) fn push(&mut self, sample: &[f64], unmasked: bool) -> Option<&[f64]> {
+        let length = self.mask.len();
+        for copy in [self.next, self.next + length] {
+            self.history[copy * self.width..(copy + 1) * self.width].copy_from_slice(&sample[..self.width]);
+        }
+        self.unmasked = self.unmasked + usize::from(unmasked) - usize::from(self.mask[self.next]);
+        self.mask[self.next] = unmasked;
+        self.next = (self.next + 1) % length;
+        self.since_row += 1;
+        if self.since_row < self.step {
+            return None;
+        }
+        self.since_row = 0;
+        if self.unmasked == 0 {
+            return None;
+        }
+        let row = &mut self.row[..self.width];
+        row.fill(0.0);
+        let oldest = &self.history[self.next * self.width..(self.next + length) * self.width];
+        for (sample, tap) in oldest.chunks_exact(self.width).zip(self.fir.taps()) {
+            row.iter_mut().zip(sample).for_each(|(sum, value)| *sum += tap * value);
+        }
+        Some(&self.row[..self.width])
+    }
 }

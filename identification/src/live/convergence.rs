@@ -8,8 +8,6 @@
 //! - A parameter **near zero** has no share worth the name. It is negligible once even the far end of its interval makes
 //!   less torque, over the motion so far, than one step of the torque sensor: nothing that this rig reads would show it.
 
-use dynamics::Calibration;
-
 /// Share of a value that half its interval may be wide, where nobody asks for another: far below the 13 % of torque that
 /// fingers can just tell apart (Jandura and Srinivasan 1994).
 pub const USUAL_SHARE: f64 = 0.01;
@@ -35,12 +33,6 @@ pub struct Criterion {
 }
 
 impl Criterion {
-    /// The usual share on a rig with this calibration.
-    #[must_use]
-    pub fn usual(calibration: Option<&Calibration>) -> Self {
-        Self { share: USUAL_SHARE, torque_step_mnm: calibration.map_or(0.0, |known| known.torque_step_mnm) }
-    }
-
     /// How far a parameter has come of which `half_width` is half the 95 % interval, after a motion with these RMS values.
     #[must_use]
     pub fn judge(&self, name: &str, value: f64, half_width: f64, motion: MotionRms) -> Convergence {

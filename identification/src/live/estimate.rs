@@ -3,6 +3,7 @@
 use dynamics::{Effect, ParameterKind, Part, effects};
 use nalgebra::DMatrix;
 
+use super::Joint;
 use super::blocks::{Blocks, Solution};
 use super::convergence::{Convergence, Criterion, MotionRms, relative_half_width};
 use crate::uncertainty::statistics::deviation_of_sum;
@@ -143,29 +144,24 @@ impl Excitation {
     }
 }
 
-/// The joint columns for an assumed period.
-pub(super) struct Detent<'a> {
-    pub(super) wavenumber: f64,
-    pub(super) centre_rad: f64,
-    pub(super) blocks: &'a Blocks,
-}
-
 pub(super) fn estimate(
     base_effects: &[Effect],
     base: &Blocks,
-    detent: Option<Detent<'_>>,
+    joint: Option<&Joint>,
     evidence: Option<bool>,
     gripper_inertia: f64,
     excitation: &Excitation,
 ) -> LiveEstimate {
     let mut estimate = LiveEstimate::default();
     let columns = base.columns();
-    let joint = detent
+    let solved = joint
         .filter(|_| evidence == Some(true))
-        .and_then(|detent| joint_solution(columns, &detent).map(|joint| (detent, joint)))
-        .filter(|(_, joint)| joint.solution.blocks >= FEWEST_BLOCKS);
-    let Some(solution) = joint.as_ref().map(|(_, joint)| joint.solution.clone()).or_else(|| base.solve(columns)) else {
-        estimate.parameters = not_yet_estimated(base_effects, evidence);
+        .and_then(|joint| joint_solution(columns, joint).map(|solution| (Some(joint), solution)))
+        .filter(|(_, solution)| solution.blocks >= FEWEST_BLOCKS);
+    let Some((joint, solution)) = solved.or_else(|| base.solve(columns).map(|solution| (None, solution))) else {
+        let base = base_effects.iter().flat_map(|effect| effect.kind().parameters);
+        let base = base.map(|kind| without_value(kind, Verdict::NotYet));
+        estimate.parameters = base.chain(no_detents(evidence)).collect();
         return estimate;
     };
     let mut start = 0;
@@ -189,11 +185,11 @@ pub(super) fn estimate(
     estimate.residual_rms_mnm = Some(solution.residual_rms);
     estimate.torque_rms_mnm = Some(solution.torque_rms);
     estimate.rows = solution.rows;
-    match &joint {
-        Some((detent, joint)) => {
-            estimate.wavenumber_correction = joint.correction;
-            estimate.wavenumber_deviation = joint.solution.covariance[(columns + 2, columns + 2)].max(0.0).sqrt();
-            estimate.parameters.extend(detent_parameters(columns, detent, joint));
+    match joint {
+        Some(joint) => {
+            estimate.wavenumber_correction = solution.coefficients[columns + 2];
+            estimate.wavenumber_deviation = solution.covariance[(columns + 2, columns + 2)].max(0.0).sqrt();
+            estimate.parameters.extend(detent_parameters(columns, joint, &solution));
         }
         None => {
             estimate.wavenumber_deviation = f64::INFINITY;
@@ -201,11 +197,6 @@ pub(super) fn estimate(
         }
     }
     estimate
-}
-
-fn not_yet_estimated(base_effects: &[Effect], evidence: Option<bool>) -> Vec<LiveParameter> {
-    let base = base_effects.iter().flat_map(|effect| effect.kind().parameters);
-    base.map(|kind| without_value(kind, Verdict::NotYet)).chain(no_detents(evidence)).collect()
 }
 
 /// The detents' parameters where none were found.
@@ -227,8 +218,7 @@ fn parameter(
     solution: &Solution,
     excitation: &Excitation,
 ) -> LiveParameter {
-    let ParameterKind { name, unit, .. } = *kind;
-    let seen = excitation.of(name);
+    let seen = excitation.of(kind.name);
     if !solution.is_fitted[column] || seen < excitation.enough {
         return without_value(kind, Verdict::NotYet);
     }
@@ -238,24 +228,15 @@ fn parameter(
     let small = half <= ESTIMATED_SHARE * value.abs() || half * column_rms <= ESTIMATED_TORQUE * solution.torque_rms;
     let enough = solution.blocks >= FEWEST_BLOCKS && small && kind.minimum.permits(value);
     LiveParameter {
-        name,
-        unit,
         value: Some(value),
         ci95: (solution.blocks >= FEWEST_BLOCKS).then_some([value - half, value + half]),
-        verdict: if enough { Verdict::Estimated } else { Verdict::NotYet },
-        convergence: Convergence::Open,
+        ..without_value(kind, if enough { Verdict::Estimated } else { Verdict::NotYet })
     }
 }
 
-struct JointSolution {
-    solution: Solution,
-    /// Correction of the assumed wavenumber, 1/rad.
-    correction: f64,
-}
-
-/// Base, sine and cosine, and the wavenumber's tangent θ·(a·cos − b·sin).
-fn joint_solution(columns: usize, detent: &Detent<'_>) -> Option<JointSolution> {
-    let plain = detent.blocks.solve(columns + 2)?;
+/// Base, sine and cosine, and the wavenumber's tangent θ·(a·cos − b·sin), whose coefficient corrects the assumed wavenumber.
+fn joint_solution(columns: usize, joint: &Joint) -> Option<Solution> {
+    let plain = joint.rows.blocks.solve(columns + 2)?;
     let (sine, cosine) = (plain.coefficients[columns], plain.coefficients[columns + 1]);
     let width = columns + 5;
     let mut map = DMatrix::zeros(columns + 4, width);
@@ -264,37 +245,29 @@ fn joint_solution(columns: usize, detent: &Detent<'_>) -> Option<JointSolution> 
     map[(columns + 3, columns + 2)] = -cosine;
     map[(columns + 3, columns + 3)] = sine;
     map[(0, columns + 4)] = 1.0;
-    let solution = detent.blocks.solve_mapped(&map)?;
-    let correction = solution.coefficients[columns + 2];
-    Some(JointSolution { solution, correction })
+    joint.rows.blocks.solve_mapped(&map)
 }
 
-fn detent_parameters(columns: usize, detent: &Detent<'_>, joint: &JointSolution) -> [LiveParameter; 3] {
-    let Solution { coefficients, covariance, .. } = &joint.solution;
+fn detent_parameters(columns: usize, joint: &Joint, solution: &Solution) -> [LiveParameter; 3] {
+    let Solution { coefficients, covariance, .. } = solution;
     let (a, b) = (coefficients[columns], coefficients[columns + 1]);
-    let wavenumber = detent.wavenumber + joint.correction;
+    let wavenumber = joint.wavenumber + coefficients[columns + 2];
     let period = 1.0 / wavenumber;
     let amplitude = a.hypot(b);
     // The columns' angle counts from the centre: kθ' + s = kθ + (s − k·centre).
-    let (_, phase) = effects::detent::canonical(amplitude, b.atan2(a) - wavenumber * detent.centre_rad);
+    let (_, phase) = effects::detent::canonical(amplitude, b.atan2(a) - wavenumber * joint.centre_rad);
     let part = covariance.view((columns, columns), (3, 3)).into_owned();
-    let half = |gradient: [f64; 3]| joint.solution.critical() * deviation_of_sum(&part, &gradient);
+    let half = |gradient: [f64; 3]| solution.critical() * deviation_of_sum(&part, &gradient);
     let square = amplitude * amplitude;
     let half_amplitude = half([a / amplitude, b / amplitude, 0.0]);
     let estimated = half_amplitude < ESTIMATED_SHARE * amplitude;
     let verdict = if estimated { Verdict::Estimated } else { Verdict::NotYet };
-    let [amplitude_kind, period_kind, phase_kind] = [0, 1, 2].map(|index| &effects::detent::KIND.parameters[index]);
-    let of = |kind: &'static ParameterKind, value: f64, half: f64| LiveParameter {
-        name: kind.name,
-        unit: kind.unit,
+    let half_period = half([0.0, 0.0, period * period]);
+    let half_phase = half([-b / square, a / square, -joint.centre_rad]);
+    let parameters = [(0, amplitude, half_amplitude), (1, period, half_period), (2, phase, half_phase)];
+    parameters.map(|(index, value, half)| LiveParameter {
         value: Some(value),
         ci95: Some([value - half, value + half]),
-        verdict,
-        convergence: Convergence::Open,
-    };
-    [
-        of(amplitude_kind, amplitude, half_amplitude),
-        of(period_kind, period, half([0.0, 0.0, period * period])),
-        of(phase_kind, phase, half([-b / square, a / square, -detent.centre_rad])),
-    ]
+        ..without_value(&effects::detent::KIND.parameters[index], verdict)
+    })
 }

@@ -30,17 +30,17 @@ mod blocks;
 mod convergence;
 mod estimate;
 mod pipeline;
-mod ring;
 
 use dynamics::{Calibration, Effect, effects};
 
 use angle_bins::AngleBins;
-use blocks::Blocks;
+use blocks::{Blocks, RowFilter};
 pub use convergence::{Convergence, Criterion, MotionRms, USUAL_SHARE, relative_half_width};
-use estimate::{Detent, Excitation, estimate};
+use estimate::{Excitation, estimate};
 pub use estimate::{LiveEstimate, LiveParameter, Verdict};
 use pipeline::{Pipeline, Sliding};
-use ring::RowFilter;
+
+use crate::preparation::uniform::cubic_weights;
 
 /// Edge of the band in which torque and motion are compared, Hz …
 const BAND_HZ: f64 = 150.0;
@@ -81,8 +81,7 @@ pub struct LiveSample {
 #[derive(Debug)]
 pub struct LiveFit {
     pipeline: Pipeline,
-    base_filter: RowFilter,
-    base: Blocks,
+    base: Rows,
     base_effects: Vec<Effect>,
     bins: AngleBins,
     joint: Option<Joint>,
@@ -109,8 +108,31 @@ pub struct LiveFit {
 struct Joint {
     wavenumber: f64,
     centre_rad: f64,
+    rows: Rows,
+}
+
+/// Filtered rows, gathered in blocks.
+#[derive(Debug)]
+struct Rows {
     filter: RowFilter,
     blocks: Blocks,
+}
+
+impl Rows {
+    fn new(rate_hz: f64, width: usize) -> Self {
+        Self { filter: RowFilter::new(rate_hz, band_hz(rate_hz), width), blocks: Blocks::new(width) }
+    }
+
+    fn push(&mut self, sample: &[f64], unmasked: bool) {
+        if let Some(row) = self.filter.push(sample, unmasked) {
+            self.blocks.add(row);
+        }
+    }
+}
+
+/// Edge of the band in which torque and motion of a stream are compared, Hz.
+fn band_hz(rate_hz: f64) -> f64 {
+    BAND_HZ.min(BAND_SHARE * rate_hz)
 }
 
 impl LiveFit {
@@ -118,15 +140,13 @@ impl LiveFit {
     /// calibration knows is taken out.
     #[must_use]
     pub fn new(rate_hz: f64, calibration: Option<&Calibration>) -> Self {
-        let band_hz = BAND_HZ.min(BAND_SHARE * rate_hz);
         let base_effects = vec![Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];
         let is_rotary = calibration.is_none_or(|known| known.axis.is_rotary());
         let columns =
             base_effects.iter().map(|effect| effect.kind().regressors.map_or(0, |r| r.columns)).sum::<usize>();
         Self {
-            pipeline: Pipeline::new(rate_hz, band_hz, calibration),
-            base_filter: RowFilter::new(rate_hz, band_hz, columns + 1),
-            base: Blocks::new(columns + 1),
+            pipeline: Pipeline::new(rate_hz, band_hz(rate_hz), calibration),
+            base: Rows::new(rate_hz, columns + 1),
             base_effects,
             bins: AngleBins::new(columns + 1),
             joint: None,
@@ -141,9 +161,11 @@ impl LiveFit {
             ignored: 0,
             newest_s: f64::NAN,
             recent: Vec::with_capacity(BRIDGE_FOLLOWS),
-            criterion: Criterion::usual(calibration),
+            criterion: Criterion {
+                share: MARGIN * USUAL_SHARE,
+                torque_step_mnm: calibration.map_or(0.0, |known| known.torque_step_mnm),
+            },
         }
-        .converging_to(USUAL_SHARE)
     }
 
     /// The fit that asks for intervals of this share of the values.
@@ -182,10 +204,8 @@ impl LiveFit {
     fn restart(&mut self) {
         self.recent.clear();
         self.pipeline.restart();
-        self.base_filter.restart();
-        if let Some(joint) = &mut self.joint {
-            joint.filter.restart();
-        }
+        let joint = self.joint.iter_mut().map(|joint| &mut joint.rows);
+        std::iter::once(&mut self.base).chain(joint).for_each(|rows| rows.filter.restart());
     }
 
     /// Fills in what is missing before a sample so many periods after the newest: the angle on the cubic through its neighbours, the
@@ -197,7 +217,9 @@ impl LiveFit {
             let share = step / periods;
             let time_s = newest.time_s + share * (sample.time_s - newest.time_s);
             let torque_mnm = newest.torque_mnm + share * (sample.torque_mnm - newest.torque_mnm);
-            self.filter(&LiveSample { time_s, angle_rad: cubic_rad(&known, time_s), torque_mnm });
+            let weights = cubic_weights(known.map(|sample| sample.time_s), time_s);
+            let angle_rad = weights.iter().zip(&known).map(|(weight, sample)| weight * sample.angle_rad).sum();
+            self.filter(&LiveSample { time_s, angle_rad, torque_mnm });
         }
     }
 
@@ -208,14 +230,8 @@ impl LiveFit {
     }
 
     /// Parameters as the data so far tell them, with intervals and verdicts.
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     pub fn estimate(&mut self) -> LiveEstimate {
         self.rescan();
-        let found = self.joint.as_ref().map(|joint| Detent {
-            wavenumber: joint.wavenumber,
-            centre_rad: joint.centre_rad,
-            blocks: &joint.blocks,
-        });
         let long = !self.is_rotary || self.sliding as f64 > ABSENT_AFTER_S * self.rate_hz;
         let evidence = self.evidence.filter(|detents| *detents || long);
         let excitation = Excitation {
@@ -223,7 +239,9 @@ impl LiveFit {
             backward: self.backward as f64,
             enough: ENOUGH_S * self.rate_hz,
         };
-        let mut estimate = estimate(&self.base_effects, &self.base, found, evidence, self.gripper_inertia, &excitation);
+        let joint = self.joint.as_ref();
+        let mut estimate =
+            estimate(&self.base_effects, &self.base.blocks, joint, evidence, self.gripper_inertia, &excitation);
         estimate.samples = self.samples;
         estimate.ignored_samples = self.ignored;
         estimate.newest_s = self.newest_s;
@@ -233,7 +251,7 @@ impl LiveFit {
     }
 
     fn take(&mut self, sliding: &Sliding) {
-        let Self { base_effects, base_filter, base, bins, joint, .. } = self;
+        let Self { base_effects, base, bins, joint, .. } = self;
         let mut row = [0.0; blocks::MOST_COLUMNS];
         let mut width = 0;
         if sliding.mask {
@@ -250,12 +268,10 @@ impl LiveFit {
                 self.backward += 1;
             }
         } else {
-            width = base_filter.width() - 1;
+            width = base.filter.width - 1;
         }
-        if let Some(rows) = base_filter.push(&row[..=width], sliding.mask) {
-            base.add(rows);
-        }
-        if let Some(Joint { wavenumber, centre_rad, filter, blocks }) = joint {
+        base.push(&row[..=width], sliding.mask);
+        if let Some(Joint { wavenumber, centre_rad, rows }) = joint {
             let mut wide = [0.0; blocks::MOST_COLUMNS];
             if sliding.mask {
                 wide[..width].copy_from_slice(&row[..width]);
@@ -263,20 +279,17 @@ impl LiveFit {
                 let (sine, cosine) = (*wavenumber * angle).sin_cos();
                 wide[width..width + 5].copy_from_slice(&[sine, cosine, angle * sine, angle * cosine, row[width]]);
             }
-            if let Some(rows) = filter.push(&wide[..width + 5], sliding.mask) {
-                blocks.add(rows);
-            }
+            rows.push(&wide[..width + 5], sliding.mask);
         }
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     fn rescan(&mut self) {
         let due = (self.scanned_at as f64 * RESCAN_GROWTH).max(FIRST_SCAN_S * self.rate_hz);
         if !self.is_rotary || (self.sliding as f64) < due {
             return;
         }
         self.scanned_at = self.sliding;
-        let Some(solution) = self.base.solve(self.base.columns()) else { return };
+        let Some(solution) = self.base.blocks.solve(self.base.blocks.columns()) else { return };
         let scan = self.bins.scan(&solution.coefficients, self.pipeline.slow_rad_s(), BAND_HZ);
         self.evidence = scan.as_ref().map(|scan| scan.detents);
         let Some(scan) = scan.filter(|scan| scan.detents) else { return };
@@ -302,22 +315,7 @@ impl LiveFit {
     }
 
     fn start_joint(&mut self, wavenumber: f64, centre_rad: f64) {
-        let width = self.base_filter.width() + 4;
-        let band_hz = BAND_HZ.min(BAND_SHARE * self.rate_hz);
-        self.joint = Some(Joint {
-            wavenumber,
-            centre_rad,
-            filter: RowFilter::new(self.rate_hz, band_hz, width),
-            blocks: Blocks::new(width),
-        });
+        let rows = Rows::new(self.rate_hz, self.base.filter.width + 4);
+        self.joint = Some(Joint { wavenumber, centre_rad, rows });
     }
-}
-
-/// The angle at a time on the cubic through four samples (Lagrange), rad.
-fn cubic_rad(known: &[LiveSample; 4], time_s: f64) -> f64 {
-    let weight = |one: usize| {
-        let others = (0..known.len()).filter(|other| *other != one);
-        others.map(|other| (time_s - known[other].time_s) / (known[one].time_s - known[other].time_s)).product::<f64>()
-    };
-    (0..known.len()).map(|one| weight(one) * known[one].angle_rad).sum()
 }

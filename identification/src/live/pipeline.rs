@@ -5,10 +5,9 @@ use std::f64::consts::TAU;
 use dynamics::{Calibration, Motion};
 
 use super::LiveSample;
-use super::ring::Ring;
 use crate::preparation::compliance::compliance_rad_mnm;
 use crate::preparation::filter::Fir;
-use crate::preparation::uniform::cubic_weights;
+use crate::preparation::uniform::{NEIGHBOURS, cubic_weights};
 use crate::uncertainty::statistics::MEDIAN_FOURTH_DIFFERENCE;
 
 /// The angle's low-pass reaches this much beyond the band in which torque and motion are compared.
@@ -59,7 +58,6 @@ pub(super) struct Pipeline {
 }
 
 impl Pipeline {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths of a few hundred samples")]
     pub(super) fn new(rate_hz: f64, band_hz: f64, calibration: Option<&Calibration>) -> Self {
         let cutoff_hz = (ANGLE_BAND * band_hz).min(0.4 * rate_hz);
         let half_length = (1.65 * rate_hz / cutoff_hz).round() as usize;
@@ -75,7 +73,7 @@ impl Pipeline {
             torque_zero_mnm: calibration.map_or(0.0, |known| known.torque_zero_mnm),
             compliance_rad_mnm: compliance_rad_mnm(calibration),
             whole_delay: delay as usize,
-            weights: cubic_weights(part),
+            weights: cubic_weights(NEIGHBOURS, part),
             guard,
             count: 0,
             time: ring(),
@@ -102,7 +100,6 @@ impl Pipeline {
     }
 
     /// A speed that a tenth of the motion stays below, roughly, rad/s.
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     pub(super) fn slow_rad_s(&self) -> f64 {
         0.15 * (self.square_speed / self.speeds.max(1) as f64).sqrt()
     }
@@ -151,7 +148,6 @@ impl Pipeline {
         self.twisted.set(index, self.angle.get(index) - torque * self.compliance_rad_mnm);
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     fn differentiate(&mut self, now: usize) {
         let Self { smooth, rate_hz, .. } = self;
         let velocity = (smooth.get(now + 1) - smooth.get(now - 1)) * 0.5 * *rate_hz;
@@ -189,5 +185,27 @@ impl Pipeline {
         } else {
             self.noise / (1.0 + MEDIAN_STEP)
         };
+    }
+}
+
+/// The last values of a stream, addressed by their count since the start.
+#[derive(Clone, Debug)]
+struct Ring {
+    values: Vec<f64>,
+}
+
+impl Ring {
+    /// Room for at least `length` values.
+    fn new(length: usize) -> Self {
+        Self { values: vec![0.0; length.next_power_of_two()] }
+    }
+
+    fn set(&mut self, index: usize, value: f64) {
+        let place = index & (self.values.len() - 1);
+        self.values[place] = value;
+    }
+
+    fn get(&self, index: usize) -> f64 {
+        self.values[index & (self.values.len() - 1)]
     }
 }

@@ -5,14 +5,14 @@ use std::f64::consts::TAU;
 
 use dynamics::{Calibration, Motion};
 
-use super::angle_spectrum::AngleSpectrum;
 use super::compliance::{compliance_rad_mnm, knob_angle_rad};
-use super::filter::{Fir, Sections, butterworth_low_pass};
+use super::filter::{Fir, butterworth_low_pass};
 use super::fusion::{Sensors, blend, kalman_smoother};
-use super::spectrum::{Spectrum, white_density};
+use super::spectrum::{AngleSpectrum, Spectrum, white_density};
 use super::uniform::Uniform;
 use crate::numerics::vector::{self, dot};
 use crate::options::AccelerationUse;
+use crate::samples::{FitError, Samples};
 use crate::uncertainty::statistics::{MEDIAN_FOURTH_DIFFERENCE, median, rms};
 
 /// Share of the torque's power above its noise that may lie beyond the fit's band.
@@ -96,11 +96,10 @@ impl Band {
 
     /// As wide as the torque's excess over its noise reaches, no wider: beyond, there is only noise, and that
     /// of a twice differentiated angle grows fast. An exact motion has none and takes the widest band.
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     pub(crate) fn of(uniform: &Uniform, exact: bool, calibration: Option<&Calibration>) -> Self {
         let rate_hz = uniform.rate_hz;
         let floor = uniform.torque_density;
-        let torque_noise_mnm = (floor * rate_hz * 0.5).sqrt();
+        let torque_noise_mnm = uniform.torque_noise_mnm();
         let widest_hz = WIDEST * rate_hz;
         if exact {
             return Self::fixed(widest_hz, torque_noise_mnm);
@@ -157,7 +156,19 @@ impl KnobMotion {
     ///
     /// The columns move out of `uniform`, which is left without motion.
     pub(crate) fn exact(uniform: &mut Uniform, calibration: Option<&Calibration>) -> Option<Self> {
-        if compliance_rad_mnm(calibration) != 0.0 { None } else { exact_motion(uniform) }
+        let rate_hz = uniform.rate_hz;
+        let velocity = uniform.velocity_rad_s.as_ref().filter(|_| compliance_rad_mnm(calibration) == 0.0)?;
+        if uniform.lost > 0 || !is_exact_derivative(velocity, &uniform.angle_rad, rate_hz) {
+            return None;
+        }
+        let accelerometer =
+            uniform.acceleration_rad_s2.as_ref().is_some_and(|given| is_exact_derivative(given, velocity, rate_hz));
+        let velocity_rad_s = uniform.velocity_rad_s.take()?;
+        let given = uniform.acceleration_rad_s2.take().filter(|_| accelerometer);
+        let acceleration_rad_s2 = given.unwrap_or_else(|| gradient(&velocity_rad_s, rate_hz));
+        let (time_s, angle_rad) = (std::mem::take(&mut uniform.time_s), std::mem::take(&mut uniform.angle_rad));
+        let columns = [time_s, angle_rad, velocity_rad_s, acceleration_rad_s2];
+        Some(Self { accelerometer, ..Self::as_given(columns, 0.5 * rate_hz) })
     }
 
     /// The motion as the sensors saw it, every cutoff chosen from the signals' own spectra.
@@ -193,19 +204,17 @@ impl KnobMotion {
                     smooth = smoother.filter(&blend(&sensors));
                     velocity = gradient(&smooth, rate_hz);
                     acceleration = gradient(&velocity, rate_hz);
-                    (accelerometer, accelerometer_density) = (true, sensors.sensor_density());
-                    angle_density = sensors.angle_density();
-                    (equal_hz, fused_hz) = (sensors.equal_hz(), sensors.equal_hz());
+                    (accelerometer, accelerometer_density) = (true, sensors.sensor_density);
+                    angle_density = sensors.angle_density;
+                    (equal_hz, fused_hz) = (sensors.equal_hz, sensors.equal_hz);
                 }
             }
             AccelerationUse::KalmanSmoother => {
                 if let Some(sensors) = sensors() {
-                    let smoothed = kalman_smoother(&sensors);
-                    smooth = smoother.filter(&smoothed.angle_rad);
-                    velocity = smoother.filter(&smoothed.velocity_rad_s);
-                    acceleration = smoother.filter(&smoothed.acceleration_rad_s2);
+                    [smooth, velocity, acceleration] =
+                        kalman_smoother(&sensors).map(|smoothed| smoother.filter(&smoothed));
                     // Given all readings the smoothed motion's error is no part of it: none is taken off.
-                    (accelerometer, equal_hz, fused_hz) = (true, 0.0, sensors.equal_hz());
+                    (accelerometer, equal_hz, fused_hz) = (true, 0.0, sensors.equal_hz);
                 }
             }
             // Nothing is known of the column's noise, so none is taken off.
@@ -224,7 +233,7 @@ impl KnobMotion {
             exact: false,
             velocity_noise_rad_s: velocity_noise_rad_s(angle_density, cutoff_hz, fused_hz),
             cutoff_hz,
-            reach: effective_reach(&smoother),
+            reach: (EFFECTIVE * (smoother.half_length() + DIFFERENCE_REACH) as f64) as usize,
             accelerometer,
             angle_density,
             compliance_rad_mnm: compliance_rad_mnm(calibration),
@@ -281,6 +290,33 @@ impl KnobMotion {
     }
 }
 
+/// The knob's motion at every sample, prepared as [`fit`](crate::fit()) prepares it: encoder without
+/// phase shift, accelerometer where it is quieter, the twist of the torque sensor taken out.
+///
+/// Gives one [`Motion`] per sample, in rad, rad/s and rad/s², its time in s since the first sample.
+///
+/// # Errors
+/// [`FitError`] for samples that are not a capture of a motion.
+pub fn knob_motion(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Result<Vec<Motion>, FitError> {
+    samples.check()?;
+    let mut uniform = Uniform::of(samples, calibration);
+    let exact = KnobMotion::exact(&mut uniform, calibration);
+    let band = Band::of(&uniform, exact.is_some(), calibration);
+    let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &band, calibration, AccelerationUse::Best));
+    // The grid has more points than the capture where samples were lost: each sample takes its own.
+    let mut point = 0;
+    let nearest = samples.t_s.iter().map(|&time_s| {
+        while point + 1 < motion.time_s.len()
+            && (motion.time_s[point + 1] - time_s).abs() <= (motion.time_s[point] - time_s).abs()
+        {
+            point += 1;
+        }
+        // What changes with time does since the capture began.
+        Motion { time_s: time_s - samples.t_s[0], ..motion.at(point) }
+    });
+    Ok(nearest.collect())
+}
+
 /// Samples on each side that [`gradient`] looks at.
 pub(crate) const GRADIENT_REACH: usize = 4;
 /// Standard deviation of the velocity's noise up to `cutoff_hz`: white angle noise differentiated, of which the
@@ -318,7 +354,7 @@ pub(crate) fn gradient(signal: &[f64], rate_hz: f64) -> Vec<f64> {
             rate_hz * pairs.map(|(weight, at)| weight * (signal[index + at] - signal[index - at])).sum::<f64>()
         }
     };
-    let weights = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0].map(|weight: f64| weight * rate_hz);
+    let weights = std::array::from_fn(|at| WEIGHTS[GRADIENT_REACH - 1][at] * rate_hz);
     let mut rate = vec![0.0; signal.len()];
     let inside = GRADIENT_REACH..signal.len().saturating_sub(GRADIENT_REACH);
     if !inside.is_empty() {
@@ -332,53 +368,25 @@ pub(crate) fn gradient(signal: &[f64], rate_hz: f64) -> Vec<f64> {
 
 /// A Butterworth low-pass run both ways.
 pub(crate) fn low_pass(order: usize, edge_hz: f64, rate_hz: f64, signal: &[f64]) -> Vec<f64> {
-    let sections: Option<Sections> = butterworth_low_pass(order, edge_hz, rate_hz).ok();
-    sections.map_or_else(|| signal.to_vec(), |sections| sections.filter_zero_phase(signal))
+    butterworth_low_pass(order, edge_hz, rate_hz)
+        .map_or_else(|| signal.to_vec(), |sections| sections.filter_zero_phase(signal))
 }
 
 /// The common low-pass of angle and torque before anything is masked.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few hundred samples")]
 fn smoother(cutoff_hz: f64, rate_hz: f64) -> Fir {
     Fir::kaiser_low_pass((SMOOTH_PERIODS * rate_hz / cutoff_hz).ceil() as usize, cutoff_hz, rate_hz, SMOOTH_BETA)
-}
-
-/// Samples on each side that still matter to a smoothed and twice differentiated sample.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a few hundred samples"
-)]
-fn effective_reach(smoother: &Fir) -> usize {
-    (EFFECTIVE * (smoother.half_length() + DIFFERENCE_REACH) as f64) as usize
-}
-
-/// The given columns, if they are the angle's derivatives to within rounding.
-fn exact_motion(uniform: &mut Uniform) -> Option<KnobMotion> {
-    let rate_hz = uniform.rate_hz;
-    let velocity = uniform.velocity_rad_s.as_ref()?;
-    if uniform.lost > 0 || !is_exact_derivative(velocity, &uniform.angle_rad, rate_hz) {
-        return None;
-    }
-    let accelerometer =
-        uniform.acceleration_rad_s2.as_ref().is_some_and(|given| is_exact_derivative(given, velocity, rate_hz));
-    let velocity_rad_s = uniform.velocity_rad_s.take()?;
-    let given = uniform.acceleration_rad_s2.take().filter(|_| accelerometer);
-    let acceleration_rad_s2 = given.unwrap_or_else(|| gradient(&velocity_rad_s, rate_hz));
-    let (time_s, angle_rad) = (std::mem::take(&mut uniform.time_s), std::mem::take(&mut uniform.angle_rad));
-    let columns = [time_s, angle_rad, velocity_rad_s, acceleration_rad_s2];
-    Some(KnobMotion { accelerometer, ..KnobMotion::as_given(columns, 0.5 * rate_hz) })
 }
 
 /// Whether a column is smooth to rounding and neither early nor late against the derivative of another.
 fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
     /// Samples that are differentiated together.
     const BLOCK: usize = 2048;
-    let size = rms(column);
-    if !(size > 0.0 && is_smooth(column, EXACT * size)) {
+    let (length, size) = (column.len(), rms(column));
+    // Motion hardly shows in fourth differences.
+    let smooth = vector::small_fourth_differences(column, EXACT * size * MEDIAN_FOURTH_DIFFERENCE);
+    if !(size > 0.0 && 2 * smooth > length.saturating_sub(4)) {
         return false;
     }
-    let length = column.len();
     let (mut lag, mut weight, mut square) = (0.0, 0.0, 0.0);
     for start in (0..length).step_by(BLOCK) {
         let end = (start + BLOCK).min(length);
@@ -403,11 +411,6 @@ pub(crate) fn scatter(signal: &[f64]) -> f64 {
     let mut fourth: Vec<f64> =
         signal.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
     median(&mut fourth) / MEDIAN_FOURTH_DIFFERENCE
-}
-
-/// Whether white noise, as the median of the fourth differences shows it, lies below `limit`; motion hardly shows there.
-fn is_smooth(signal: &[f64], limit: f64) -> bool {
-    2 * vector::small_fourth_differences(signal, limit * MEDIAN_FOURTH_DIFFERENCE) > signal.len().saturating_sub(4)
 }
 
 /// A signal without its first-order lag, as accelerometers have at their output: lag times rate is added.

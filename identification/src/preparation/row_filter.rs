@@ -10,7 +10,7 @@ use super::motion::{Band, KnobMotion, ROWS_PER_EDGE};
 use super::uniform::{Uniform, whole};
 use crate::numerics::fourier::Response;
 use crate::numerics::vector;
-use crate::uncertainty::statistics::rms;
+use crate::uncertainty::statistics::{rms, runs};
 
 /// Time around stick and reversals that is left out besides what the filters reach, s: the smoothed speed rises
 /// before the knob breaks away, and contact rings.
@@ -40,7 +40,6 @@ pub(crate) struct RowFilter {
 }
 
 impl RowFilter {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths of a few samples")]
     pub(crate) fn new(uniform: &Uniform, motion: &KnobMotion, band: &Band) -> Self {
         let rate_hz = uniform.rate_hz;
         let (threshold_rad_s, guard_s) = if motion.exact {
@@ -131,7 +130,6 @@ impl RowFilter {
     }
 
     /// What the rows amount to in fully weighted ones.
-    #[allow(clippy::cast_precision_loss, reason = "a decimation")]
     pub(crate) fn weight(&self) -> f64 {
         vector::dot(&self.mask, &self.mask) / self.step as f64
     }
@@ -142,7 +140,6 @@ impl RowFilter {
     }
 }
 
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
 fn samples(duration_s: f64, rate_hz: f64) -> usize {
     (duration_s * rate_hz).round() as usize
 }
@@ -166,19 +163,14 @@ fn mask(uniform: &Uniform, motion: &KnobMotion, threshold_rad_s: f64, guard: imp
 
 /// Sets the mask to zero at every run of samples that are to be `left_out`, and as far around it as `guard` says for its length.
 fn blank_runs<T>(mask: &mut [f64], samples: &[T], left_out: impl Fn(&T) -> bool, guard: impl Fn(usize) -> usize) {
-    let mut start = 0;
-    for run in samples.chunk_by(|one, other| left_out(one) == left_out(other)) {
-        let end = start + run.len();
-        if left_out(&run[0]) {
-            let guard = guard(run.len());
-            mask[start.saturating_sub(guard)..(end + guard).min(samples.len())].fill(0.0);
-        }
-        start = end;
+    let runs = runs(samples, |one, other| left_out(one) == left_out(other));
+    for run in runs.filter(|run| left_out(&samples[run.start])) {
+        let guard = guard(run.len());
+        mask[run.start.saturating_sub(guard)..(run.end + guard).min(samples.len())].fill(0.0);
     }
 }
 
 /// Lets the mask rise as a squared sine over `length` samples from where it was zero.
-#[allow(clippy::cast_precision_loss, reason = "a few samples")]
 fn fade(mask: &mut [f64], length: usize) {
     let rise = |since: usize| (0.5 * PI * (since as f64 / (length + 1) as f64)).sin().powi(2);
     let sweep = |mask: &mut dyn Iterator<Item = &mut f64>| {

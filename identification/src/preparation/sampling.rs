@@ -19,13 +19,6 @@ const REGULAR: f64 = 0.9;
 /// Steps of an encoder by which its readings must differ at the median to be told from a slow knob's single steps.
 const FEWEST_STEPS: f64 = 3.0;
 
-/// The columns of a capture at its sensors' own readings.
-pub(crate) struct Readings {
-    pub(crate) rows: Rows,
-    /// What was recognised, in a sentence.
-    pub(crate) note: String,
-}
-
 /// How a channel goes from one reading to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Between {
@@ -35,30 +28,25 @@ enum Between {
     Interpolated,
 }
 
-impl Readings {
-    /// The readings among checked samples; `None` if every sample is one.
-    pub(crate) fn of(samples: &Samples<'_>) -> Option<Self> {
-        let angle = readings(samples.angle_rad, vector::smallest_step(samples.angle_rad));
-        let torque = readings(samples.torque_mnm, 0.0);
-        // The slower channel: at the places of its readings the other one is known too.
-        let (channel, (between, places)) = [("angle", angle), ("torque", torque)]
-            .into_iter()
-            .filter_map(|(channel, found)| found.map(|found| (channel, found)))
-            .min_by_key(|(_, (_, places))| places.len())?;
-        let word = match between {
-            Between::Held => "repeats each reading",
-            Between::Interpolated => "is a straight line from reading to reading",
-        };
-        #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
-        let distance = samples.t_s.len() as f64 / places.len() as f64;
-        Some(Self {
-            rows: Rows::of(samples, &places),
-            note: format!(
-                "the {channel} channel {word}, over {distance:.1} samples each: only the {} readings were used",
-                places.len()
-            ),
-        })
-    }
+/// The readings among checked samples, and what was recognised, in a sentence; `None` if every sample is one.
+pub(crate) fn own_readings(samples: &Samples<'_>) -> Option<(Rows, String)> {
+    let angle = readings(samples.angle_rad, vector::smallest_step(samples.angle_rad));
+    let torque = readings(samples.torque_mnm, 0.0);
+    // The slower channel: at the places of its readings the other one is known too.
+    let (channel, (between, places)) = [("angle", angle), ("torque", torque)]
+        .into_iter()
+        .filter_map(|(channel, found)| found.map(|found| (channel, found)))
+        .min_by_key(|(_, (_, places))| places.len())?;
+    let word = match between {
+        Between::Held => "repeats each reading",
+        Between::Interpolated => "is a straight line from reading to reading",
+    };
+    let distance = samples.t_s.len() as f64 / places.len() as f64;
+    let note = format!(
+        "the {channel} channel {word}, over {distance:.1} samples each: only the {} readings were used",
+        places.len()
+    );
+    Some((Rows::of(samples, &places), note))
 }
 
 /// The places of a channel's readings, if they lie regularly apart; `step` is the channel's own, 0 if it has none.
@@ -76,7 +64,6 @@ fn readings(signal: &[f64], step: f64) -> Option<(Between, Vec<usize>)> {
 }
 
 /// The places where `differences` are not nothing, if those lie regularly apart.
-#[allow(clippy::cast_precision_loss, reason = "numbers of samples")]
 fn regular(differences: &[f64]) -> Option<Vec<usize>> {
     let mut sizes: Vec<f64> = differences.iter().map(|difference| difference.abs()).collect();
     let nothing = ROUNDING * quantile(&mut sizes, 0.99);
@@ -106,7 +93,6 @@ mod tests {
 
     /// A motion of two tones at so many samples a second.
     fn motion(samples: usize, rate_hz: f64) -> Vec<f64> {
-        #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
         let at = |index: usize| index as f64 / rate_hz;
         (0..samples).map(|index| (5.0 * at(index)).sin() + 0.2 * (17.0 * at(index)).cos()).collect()
     }

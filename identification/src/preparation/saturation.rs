@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::numerics::vector;
-use crate::uncertainty::statistics::rms;
+use crate::uncertainty::statistics::{rms, runs};
 
 /// Shortest run of equal values that may be a rail, samples.
 const SHORTEST: usize = 5;
@@ -22,7 +22,7 @@ const NEARBY: usize = 10;
 /// Where a channel reads its largest or smallest value for longer than its noise makes probable.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Saturation {
-    runs: Vec<Range<usize>>,
+    pub(crate) runs: Vec<Range<usize>>,
     /// Smallest and largest value, where they are rails.
     low: Option<f64>,
     high: Option<f64>,
@@ -48,10 +48,6 @@ impl Saturation {
         let (low, high) = (Some(low).filter(|rail| is_rail(*rail)), Some(high).filter(|rail| is_rail(*rail)));
         let runs = runs.into_iter().filter(|run| [low, high].contains(&Some(values[run.start]))).collect();
         Self { runs, low, high }
-    }
-
-    pub(crate) fn runs(&self) -> &[Range<usize>] {
-        &self.runs
     }
 
     /// Number of samples at a rail.
@@ -121,16 +117,7 @@ pub(crate) fn frozen_note(runs: &[Range<usize>]) -> Option<String> {
 
 /// All runs of two or more equal values.
 fn runs_of_equal(values: &[f64]) -> Vec<Range<usize>> {
-    let mut runs: Vec<Range<usize>> = Vec::new();
-    for (index, (value, next)) in values.iter().zip(values.iter().skip(1)).enumerate() {
-        if value == next {
-            match runs.last_mut() {
-                Some(run) if run.end == index + 1 => run.end = index + 2,
-                _ => runs.push(index..index + 2),
-            }
-        }
-    }
-    runs
+    runs(values, |value, next| value == next).filter(|run| run.len() > 1).collect()
 }
 
 #[cfg(test)]

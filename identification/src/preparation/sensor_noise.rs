@@ -29,7 +29,6 @@ pub(crate) struct SensorNoise {
 
 impl SensorNoise {
     /// What the noise of encoder, torque channel and accelerometer adds in this row filter.
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     pub(crate) fn of(row_filter: &RowFilter, motion: &KnobMotion, band: &Band) -> Self {
         if motion.exact || motion.angle_density == 0.0 {
             return Self::default();
@@ -38,25 +37,20 @@ impl SensorNoise {
         let torque_density = band.torque_noise_mnm.powi(2) / (0.5 * row_filter.rate_hz);
         let compliance = motion.compliance_rad_mnm;
         let width_hz = (BEYOND * band.edge_hz).min(0.5 * row_filter.rate_hz) / f64::from(STEPS);
-        let mut density = Self::default();
+        let angle_density = motion.angle_density + torque_density * compliance * compliance;
+        let weight = row_filter.weight();
+        let mut sums = Self::default();
         for step in 0..STEPS {
             let frequency_hz = (f64::from(step) + 0.5) * width_hz;
-            let passed = (row_filter.fir.gain(frequency_hz, row_filter.rate_hz)
-                * smoother.gain(frequency_hz, row_filter.rate_hz))
-            .powi(2);
+            let gain =
+                row_filter.fir.gain(frequency_hz, row_filter.rate_hz) * smoother.gain(frequency_hz, row_filter.rate_hz);
+            let passed = weight * width_hz * gain.powi(2);
             let square = (TAU * frequency_hz).powi(2);
             let encoder = motion.encoder_share(frequency_hz);
-            let angle_density = motion.angle_density + torque_density * compliance * compliance;
-            density.velocity_squares += width_hz * passed * angle_density * square * encoder;
-            density.acceleration_squares +=
-                width_hz * passed * motion.acceleration_density(frequency_hz, angle_density);
-            density.acceleration_torque += width_hz * passed * torque_density * square * compliance * encoder;
+            sums.velocity_squares += passed * angle_density * square * encoder;
+            sums.acceleration_squares += passed * motion.acceleration_density(frequency_hz, angle_density);
+            sums.acceleration_torque += passed * torque_density * square * compliance * encoder;
         }
-        let rows = row_filter.mask.iter().map(|mask| mask * mask).sum::<f64>() / row_filter.step as f64;
-        Self {
-            velocity_squares: rows * density.velocity_squares,
-            acceleration_squares: rows * density.acceleration_squares,
-            acceleration_torque: rows * density.acceleration_torque,
-        }
+        sums
     }
 }

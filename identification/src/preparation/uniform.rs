@@ -2,10 +2,10 @@
 
 use dynamics::Calibration;
 
-use super::sampling::Readings;
+use super::sampling::own_readings;
 use super::saturation::{Saturation, frozen, frozen_note};
 use super::spectrum::Spectrum;
-use crate::Samples;
+use crate::samples::{Rows, Samples};
 use crate::uncertainty::statistics::{mean, median};
 
 /// Relative scatter of the sample times from which a capture is interpolated onto an even grid.
@@ -28,10 +28,8 @@ pub(crate) struct Uniform {
     /// Time constant of the first-order lag that is still in the acceleration, s.
     pub(crate) acceleration_lag_s: f64,
     pub(crate) torque_mnm: Vec<f64>,
-    /// The torque as it was received, before its delay was taken out, mNm; empty where there was none to take out.
-    received_mnm: Vec<f64>,
-    /// The delay that was taken out, in samples.
-    torque_delay: f64,
+    /// The torque as it was received, mNm, and its delay in samples; `None` where there was none to take out.
+    received: Option<(Vec<f64>, f64)>,
     /// White density of the torque channel's noise, as the upper end of its spectrum shows it, mNm²/Hz.
     pub(crate) torque_density: f64,
     /// Whether the grid point was measured; false inside gaps, and where a sensor stood at its rail or still.
@@ -45,11 +43,11 @@ pub(crate) struct Uniform {
 impl Uniform {
     /// Places checked samples on a grid of their median period.
     pub(crate) fn of(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Self {
-        let readings = Readings::of(samples);
-        let samples = &readings.as_ref().map_or(*samples, |readings| readings.rows.samples());
+        let (readings, note) = own_readings(samples).unzip();
+        let samples = &readings.as_ref().map_or(*samples, Rows::samples);
         let mut uniform = Self::on_grid(samples);
         uniform.leave_out_faults(samples, calibration);
-        uniform.notes.extend(readings.map(|readings| readings.note));
+        uniform.notes.extend(note);
         // Before any interpolation, which would take off the upper end.
         let rate_hz = uniform.rate_hz;
         uniform.torque_density = Spectrum::welch(&uniform.torque_mnm, rate_hz).median(0.35 * rate_hz, 0.5 * rate_hz);
@@ -59,18 +57,12 @@ impl Uniform {
         uniform
     }
 
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a number of samples"
-    )]
     fn on_grid(samples: &Samples<'_>) -> Self {
         let time = samples.t_s;
         let count = time.len();
         let (typical, is_regular) = typical_step(time);
         if is_regular {
-            return Self::regular(samples, typical);
+            return Self::of_columns(samples, typical, vec![true; count], <[f64]>::to_vec);
         }
         let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let gaps = steps.iter().filter(|step| **step > GAP * typical).count();
@@ -79,7 +71,7 @@ impl Uniform {
         let scatter =
             (regular.iter().map(|s| (s / step - 1.0).powi(2)).sum::<f64>() / regular.len().max(1) as f64).sqrt();
         if gaps == 0 && scatter < JITTER {
-            return Self::regular(samples, step);
+            return Self::of_columns(samples, step, vec![true; count], <[f64]>::to_vec);
         }
         // Time without the excess of long gaps, so that a pause does not fill memory.
         let longest_s = LONGEST_GAP_S.min((count as f64 + GAP_POINTS) / gaps.max(1) as f64 * step).max(GAP * step);
@@ -106,18 +98,26 @@ impl Uniform {
         let sampled = |column: &[f64]| {
             places.iter().map(|(i, share, _)| column[*i] + share * (column[*i + 1] - column[*i])).collect::<Vec<_>>()
         };
-        let present: Vec<bool> = places.iter().map(|place| place.2).collect();
+        Self::of_columns(samples, step, places.iter().map(|place| place.2).collect(), sampled)
+    }
+
+    /// The columns as `sampled` puts them on the grid.
+    fn of_columns(
+        samples: &Samples<'_>,
+        step_s: f64,
+        present: Vec<bool>,
+        sampled: impl Fn(&[f64]) -> Vec<f64> + Copy,
+    ) -> Self {
         Self {
-            rate_hz: 1.0 / step,
-            time_s: sampled(time),
+            rate_hz: 1.0 / step_s,
+            time_s: sampled(samples.t_s),
             angle_rad: sampled(samples.angle_rad),
             velocity_rad_s: samples.velocity_rad_s.map(sampled),
             acceleration_rad_s2: samples.acceleration_rad_s2.map(sampled),
             acceleration_lag_s: 0.0,
-            received_mnm: Vec::new(),
-            torque_delay: 0.0,
-            torque_density: 0.0,
             torque_mnm: sampled(samples.torque_mnm),
+            received: None,
+            torque_density: 0.0,
             lost: present.iter().filter(|present| !**present).count(),
             present,
             notes: Vec::new(),
@@ -126,7 +126,6 @@ impl Uniform {
 
     /// Marks samples where a channel stood at its rail or the encoder stood still as not measured, and does without an
     /// accelerometer that is at its rail: the encoder tells the same.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a delay of a few samples")]
     fn leave_out_faults(&mut self, samples: &Samples<'_>, calibration: Option<&Calibration>) {
         let torque = Saturation::of(samples.torque_mnm);
         let frozen = frozen(samples.angle_rad, samples.torque_mnm);
@@ -134,7 +133,7 @@ impl Uniform {
         // Interpolation between samples looks at two neighbours besides.
         let margin = 2 + delay.ceil() as usize;
         let mut faulty = vec![false; samples.t_s.len()];
-        for run in torque.runs().iter().chain(&frozen) {
+        for run in torque.runs.iter().chain(&frozen) {
             let last = (run.end + margin).min(faulty.len());
             faulty[run.start.saturating_sub(margin)..last].fill(true);
         }
@@ -169,28 +168,14 @@ impl Uniform {
         }
     }
 
-    /// Samples that lie on a grid already.
-    fn regular(samples: &Samples<'_>, step_s: f64) -> Self {
-        Self {
-            rate_hz: 1.0 / step_s,
-            time_s: samples.t_s.to_vec(),
-            angle_rad: samples.angle_rad.to_vec(),
-            velocity_rad_s: samples.velocity_rad_s.map(<[f64]>::to_vec),
-            acceleration_rad_s2: samples.acceleration_rad_s2.map(<[f64]>::to_vec),
-            acceleration_lag_s: 0.0,
-            torque_mnm: samples.torque_mnm.to_vec(),
-            received_mnm: Vec::new(),
-            torque_delay: 0.0,
-            torque_density: 0.0,
-            present: vec![true; samples.t_s.len()],
-            lost: 0,
-            notes: Vec::new(),
-        }
-    }
-
     /// The torque as it was received, mNm, and by how many samples that is late.
     pub(crate) fn received_torque(&self) -> (&[f64], f64) {
-        if self.received_mnm.is_empty() { (&self.torque_mnm, 0.0) } else { (&self.received_mnm, self.torque_delay) }
+        self.received.as_ref().map_or((&self.torque_mnm, 0.0), |(received_mnm, delay)| (received_mnm, *delay))
+    }
+
+    /// Noise of the torque channel at full rate, if it is white as the upper end of its spectrum says, mNm.
+    pub(crate) fn torque_noise_mnm(&self) -> f64 {
+        (self.torque_density * 0.5 * self.rate_hz).sqrt()
     }
 
     /// Takes out zeros, gravity and the channels' delays.
@@ -198,10 +183,10 @@ impl Uniform {
         for torque in &mut self.torque_mnm {
             *torque -= calibration.torque_zero_mnm;
         }
-        self.torque_delay = calibration.torque_delay_s * self.rate_hz;
-        if self.torque_delay != 0.0 {
-            let prompt = advance(&self.torque_mnm, self.torque_delay);
-            self.received_mnm = std::mem::replace(&mut self.torque_mnm, prompt);
+        let delay = calibration.torque_delay_s * self.rate_hz;
+        if delay != 0.0 {
+            let prompt = advance(&self.torque_mnm, delay);
+            self.received = Some((std::mem::replace(&mut self.torque_mnm, prompt), delay));
         }
         if let Some(acceleration) = &mut self.acceleration_rad_s2 {
             // The sensor's lag stays in for now, and gravity passed it as the motion did.
@@ -217,13 +202,9 @@ impl Uniform {
 
 /// The time from most samples to the next, s, and whether it is the same from each: without gaps and jitter, and so without
 /// anything to sort.
-#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
 pub(crate) fn typical_step(time: &[f64]) -> (f64, bool) {
     let mean = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
-    let mut farthest = 0.0_f64;
-    for (left, right) in time.iter().zip(&time[1..]) {
-        farthest = farthest.max((right - left - mean).abs());
-    }
+    let farthest = time.iter().zip(&time[1..]).map(|(left, right)| (right - left - mean).abs()).fold(0.0, f64::max);
     if farthest < JITTER * mean {
         return (exact(mean), true);
     }
@@ -239,7 +220,6 @@ fn exact(step_s: f64) -> f64 {
 }
 
 /// The whole part of a number of samples, one that is whole but for rounding being itself.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
 pub(crate) fn whole(samples: f64) -> usize {
     (samples * (1.0 + 1e-9)) as usize
 }
@@ -263,24 +243,17 @@ fn lagged(signal: &[f64], lag: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Lagrange's weights of the values one sample before, at, one and two samples after a place, for the value `part` of a sample after it.
-pub(crate) fn cubic_weights(part: f64) -> [f64; 4] {
-    [
-        -part * (part - 1.0) * (part - 2.0) / 6.0,
-        (part + 1.0) * (part - 1.0) * (part - 2.0) / 2.0,
-        -(part + 1.0) * part * (part - 2.0) / 2.0,
-        (part + 1.0) * part * (part - 1.0) / 6.0,
-    ]
+/// The samples from one before a place to two after it, between which its value is interpolated.
+pub(crate) const NEIGHBOURS: [f64; 4] = [-1.0, 0.0, 1.0, 2.0];
+
+/// Lagrange's weights of the values at four places for that of the cubic through them at another.
+pub(crate) fn cubic_weights(places: [f64; 4], at: f64) -> [f64; 4] {
+    let others = |one: f64| places.into_iter().filter(move |other| *other != one);
+    let product = |from: f64, one: f64| others(one).map(|other| from - other).product::<f64>();
+    places.map(|one| product(at, one) / product(one, one))
 }
 
 /// The signal `shift` samples later, interpolated by cubic polynomials; the ends are held.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap,
-    clippy::cast_sign_loss,
-    reason = "an index between 0 and the length"
-)]
 pub(crate) fn advance(signal: &[f64], shift: f64) -> Vec<f64> {
     if shift == 0.0 || signal.is_empty() {
         return signal.to_vec();
@@ -289,7 +262,7 @@ pub(crate) fn advance(signal: &[f64], shift: f64) -> Vec<f64> {
     let part = shift - whole;
     let last = signal.len() as isize - 1;
     let at = |index: isize| signal[index.clamp(0, last) as usize];
-    let weights = cubic_weights(part);
+    let weights = cubic_weights(NEIGHBOURS, part);
     (0..signal.len() as isize)
         .map(|index| {
             let base = index + whole as isize;

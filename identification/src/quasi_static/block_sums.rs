@@ -1,6 +1,6 @@
 //! Least squares from sums over stretches of the capture: a further column costs little, and every stretch can be left out.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use crate::numerics::vector::dot;
 use crate::regression::gram::{self, COLLINEAR, Solution};
@@ -13,7 +13,7 @@ pub(super) const BLOCKS: usize = 32;
 /// Target and columns with their inner products, stretch by stretch.
 pub(super) struct BlockSums {
     target: Vec<f64>,
-    columns: Vec<Vec<f64>>,
+    pub(super) columns: Vec<Vec<f64>>,
     blocks: Vec<DMatrix<f64>>,
 }
 
@@ -52,12 +52,11 @@ impl BlockSums {
         for (block, products) in self.blocks.iter_mut().enumerate() {
             let range = range(block, self.target.len());
             let part = &last[range.clone()];
-            let mut grown = std::mem::replace(products, DMatrix::zeros(0, 0)).resize(size, size, 0.0);
+            products.resize_mut(size, size, 0.0);
             for (place, other) in [&self.target].into_iter().chain(&self.columns).enumerate() {
                 let product = dot(part, &other[range.clone()]);
-                (grown[(size - 1, place)], grown[(place, size - 1)]) = (product, product);
+                (products[(size - 1, place)], products[(place, size - 1)]) = (product, product);
             }
-            *products = grown;
         }
     }
 
@@ -68,12 +67,7 @@ impl BlockSums {
 
     /// All columns' coefficients; `None` if they cannot be told apart.
     pub(super) fn solve(&self) -> Option<Solution> {
-        self.solve_for(&self.all())
-    }
-
-    /// Sum of squares that all columns leave.
-    pub(super) fn all_left(&self) -> Option<f64> {
-        self.left(&self.all())
+        self.solve_for(&(0..self.width()).collect::<Vec<_>>())
     }
 
     /// Sum of squares that the chosen columns leave.
@@ -97,7 +91,6 @@ impl BlockSums {
     }
 
     /// All columns' coefficients with covariances.
-    #[allow(clippy::cast_precision_loss, reason = "numbers of rows and stretches")]
     pub(super) fn estimate(&self) -> Option<Estimate> {
         let solution = self.solve()?;
         let (blocks, rows) = (BLOCKS as f64, self.target.len() as f64);
@@ -108,15 +101,6 @@ impl BlockSums {
             textbook: solution.inverse() * variance,
             coefficients: solution.coefficients,
         })
-    }
-
-    /// The columns' values in a row.
-    pub(super) fn row(&self, index: usize, row: &mut DVector<f64>) {
-        row.iter_mut().zip(&self.columns).for_each(|(slot, column)| *slot = column[index]);
-    }
-
-    fn all(&self) -> Vec<usize> {
-        (0..self.width()).collect()
     }
 
     fn total(&self) -> DMatrix<f64> {

@@ -3,7 +3,7 @@
 use dynamics::Motion;
 use nalgebra::DMatrix;
 
-use super::block_sums::BlockSums;
+use super::block_sums::{BlockSums, Estimate};
 use super::{Fitted, Map};
 use crate::estimate::Fit;
 use crate::preparation::saturation::Saturation;
@@ -18,11 +18,8 @@ pub(super) fn fit(samples: &Samples<'_>, map: &Map, saturation: &Saturation) -> 
     let frictions = map.frictions();
     let columns: Vec<Vec<f64>> = frictions.iter().map(|friction| map.friction_column(*friction)).collect();
     let both_ways = frictions.len() == 2;
-    let base: Vec<Vec<f64>> = if both_ways {
-        vec![map.directions.iter().map(|direction| f64::from(*direction)).collect()]
-    } else {
-        Vec::new()
-    };
+    let both = || map.directions.iter().map(|direction| f64::from(*direction)).collect();
+    let base: Vec<Vec<f64>> = both_ways.then(both).into_iter().collect();
     let places = Places::of(&map.angle_rad.iter().copied().zip(map.torque_mnm.iter().copied()))?;
     let motion = |at: usize| Motion {
         angle_rad: map.angle_rad[at],
@@ -44,15 +41,9 @@ pub(super) fn fit(samples: &Samples<'_>, map: &Map, saturation: &Saturation) -> 
     let spread =
         |matrix: &DMatrix<f64>| DMatrix::from_fn(width, width, |row, column| matrix[(fitted(row), fitted(column))]);
     let coefficients: Vec<f64> = (0..width).map(|column| solution.coefficients[fitted(column)]).collect();
-    let fitted = Fitted {
-        residual: sums.residual(&coefficients),
-        sums,
-        coefficients,
-        covariance: spread(&covariance),
-        textbook: spread(&solution.textbook_covariance()),
-        harmonics: Vec::new(),
-        period_half_widths_rad: [0.0; 2],
-    };
+    let (covariance, textbook) = (spread(&covariance), spread(&solution.textbook_covariance()));
+    let estimate = Estimate { coefficients, covariance, textbook };
+    let fitted = Fitted { sums, estimate, harmonics: Vec::new(), period_half_width_rad: 0.0 };
     let mut fit = fitted.fit(samples, map, known, NO_DETENTS, map.notes(saturation));
     fit.effects.extend(effects);
     fit.characteristics = curves;

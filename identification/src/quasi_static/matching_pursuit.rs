@@ -1,16 +1,18 @@
-//! The sinusoids of the angle that a torque holds: one after the other, each time all of them fitted anew.
+//! The sinusoids of the angle that a torque holds, with intervals: one after the other, each time all of them fitted anew.
 //!
 //! Orthogonal matching pursuit (Y. C. Pati, R. Rezaiifar, P. S. Krishnaprasad, 27th Asilomar Conference, 1993): the
 //! strongest sinusoid in what the others leave joins, then all coefficients are solved together.
 
 use std::f64::consts::{PI, TAU};
 
-use super::block_sums::BlockSums;
+use super::block_sums::{BlockSums, Estimate, critical};
+use super::interval;
 use crate::detents::scan::background_of;
-use crate::numerics::fourier;
+use crate::estimate::Harmonic;
+use crate::numerics::{fourier, vector};
 use crate::regression::refiner::{self, Ended, longest_improving};
 use crate::samples::span;
-use crate::uncertainty::statistics::median;
+use crate::uncertainty::statistics::{deviation_of_sum, median};
 
 /// Places of the angle over which the residual is summed for the transform.
 const PLACES: usize = 16_384;
@@ -49,12 +51,6 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a number of lines below the number of places"
-    )]
     pub(super) fn of(angle_rad: &[f64]) -> Self {
         let travel = span(angle_rad);
         let whole_turn = travel >= WHOLE_TURN * TAU;
@@ -64,24 +60,17 @@ impl Grid {
             angle_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).collect();
         // Two steps in a period, at least.
         let finest = (PI / median(&mut steps) / unit).min(HIGHEST as f64) as usize;
-        let start_rad = angle_rad.iter().copied().fold(f64::INFINITY, f64::min);
+        let start_rad = vector::extent(angle_rad).map_or(0.0, |(lowest, _)| lowest);
         Self { unit, lowest, highest: finest.max(lowest), start_rad, whole_turn }
     }
 
     /// The same without what is finer than `wavenumber`, 1/rad.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a line below the number of places")]
     pub(super) fn up_to(self, wavenumber: f64) -> Self {
         Self { highest: self.highest.min((wavenumber / self.unit) as usize).max(self.lowest), ..self }
     }
 
-    /// The wavenumber (1/rad) whose sinusoid explains most of the residual, what it explains, and the mean of all lines.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a place between 0 and their number"
-    )]
-    fn strongest(&self, angle_rad: &[f64], residual: &[f64], taken: &[f64]) -> Option<Peak> {
+    /// The wavenumber (1/rad) whose sinusoid explains most of the residual, if it stands out.
+    fn strongest(&self, angle_rad: &[f64], residual: &[f64], taken: &[f64]) -> Option<f64> {
         let transform = fourier::forward(PLACES);
         let (mut sums, mut lines) = (transform.make_input_vec(), transform.make_output_vec());
         for (angle, rest) in angle_rad.iter().zip(residual) {
@@ -99,18 +88,10 @@ impl Grid {
         let mut powers: Vec<f64> = (self.lowest..=highest).map(power).collect();
         let background = 2.0 * background_of(&mut powers);
         let independent = (highest - self.lowest + 1) as f64 / if self.whole_turn { 1.0 } else { PADDING };
-        Some(Peak {
-            wavenumber: best as f64 * self.unit,
-            clear: power(best) > (2.0 * independent.max(1.0).ln() + MARGIN) * background
-                && power(best) > WORTHWHILE * residual.iter().map(|rest| rest * rest).sum::<f64>(),
-        })
+        let is_clear = power(best) > (2.0 * independent.max(1.0).ln() + MARGIN) * background
+            && power(best) > WORTHWHILE * residual.iter().map(|rest| rest * rest).sum::<f64>();
+        is_clear.then_some(best as f64 * self.unit)
     }
-}
-
-/// The strongest line of what is left.
-struct Peak {
-    wavenumber: f64,
-    clear: bool,
 }
 
 /// Adds the sinusoids that stand out and predict what they were not fitted to; returns their wavenumbers, 1/rad.
@@ -124,12 +105,8 @@ pub(super) fn sinusoids(sums: &mut BlockSums, angle_rad: &[f64], grid: &Grid) ->
         let Some(solution) = sums.solve() else { break };
         let residual = sums.residual(&solution.coefficients);
         let Some(peak) = grid.strongest(angle_rad, &residual, &tried) else { break };
-        if !peak.clear {
-            break;
-        }
         let base = sums.width();
-        let wavenumber =
-            if grid.whole_turn { peak.wavenumber } else { refined(sums, angle_rad, peak.wavenumber, grid.unit) };
+        let wavenumber = if grid.whole_turn { peak } else { refined(sums, angle_rad, peak, grid.unit) };
         tried.push(wavenumber);
         push(sums, angle_rad, wavenumber);
         if sums.evidence(base) < PREDICTS {
@@ -151,8 +128,7 @@ fn push(sums: &mut BlockSums, angle_rad: &[f64], wavenumber: f64) {
 
 /// The derivative of a·sin(kθ) + b·cos(kθ) by k, with θ from the middle of the travel, where k and phase are independent.
 pub(super) fn tangent(angle_rad: &[f64], wavenumber: f64, coefficients: [f64; 2]) -> Vec<f64> {
-    let middle = 0.5 * angle_rad.iter().copied().fold(f64::INFINITY, f64::min)
-        + 0.5 * angle_rad.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let middle = vector::extent(angle_rad).map_or(0.0, |(lowest, highest)| 0.5 * (lowest + highest));
     angle_rad
         .iter()
         .map(|angle| {
@@ -168,7 +144,7 @@ fn refined(sums: &mut BlockSums, angle_rad: &[f64], start: f64, unit: f64) -> f6
     let mut wavenumber = start;
     let left = |sums: &mut BlockSums, wavenumber| {
         push(sums, angle_rad, wavenumber);
-        let left = sums.all_left();
+        let left = sums.left(&(0..base + 2).collect::<Vec<_>>());
         sums.truncate(base);
         left
     };
@@ -189,4 +165,69 @@ fn refined(sums: &mut BlockSums, angle_rad: &[f64], start: f64, unit: f64) -> f6
         .inspect_err(|_| wavenumber = from)
     });
     wavenumber
+}
+
+/// The sinusoids of whole turns, strongest first, that a torque over the angle holds beside `base`, the columns of what else
+/// acts; up to `finest` periods a turn. All columns have one row length.
+///
+/// Only those that stand out and predict stretches that they were not fitted to. `None` if the turn is not whole, or the
+/// columns cannot be told apart.
+pub(crate) fn of_turns(
+    base: Vec<Vec<f64>>,
+    angle_rad: &[f64],
+    torque_mnm: Vec<f64>,
+    finest: f64,
+) -> Option<Vec<Harmonic>> {
+    let columns = base.len();
+    let mut sums = BlockSums::new(torque_mnm);
+    base.into_iter().for_each(|column| sums.push(column));
+    let grid = Grid::of(angle_rad).up_to(finest);
+    if !grid.whole_turn {
+        return None;
+    }
+    let wavenumbers = sinusoids(&mut sums, angle_rad, &grid);
+    let estimate = sums.estimate()?;
+    ranked(&sums, &estimate, columns, &wavenumbers)
+}
+
+/// The sinusoids behind the first `base` columns, strongest first.
+pub(super) fn ranked(sums: &BlockSums, estimate: &Estimate, base: usize, wavenumbers: &[f64]) -> Option<Vec<Harmonic>> {
+    let coefficients = &estimate.coefficients;
+    let pair = |position: usize| [coefficients[base + 2 * position], coefficients[base + 2 * position + 1]];
+    let mut order: Vec<usize> = (0..wavenumbers.len()).collect();
+    let size = |position: &usize| pair(*position)[0].hypot(pair(*position)[1]);
+    order.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    let mut chosen: Vec<usize> = (0..base).collect();
+    let total = sums.target_squares();
+    let mut before = sums.left(&chosen)?;
+    let mut harmonics = Vec::new();
+    for position in &order {
+        let at = base + 2 * position;
+        chosen.extend([at, at + 1]);
+        let after = sums.left(&chosen)?;
+        let [sine, cosine] = pair(*position);
+        let amplitude = sine.hypot(cosine);
+        let own = estimate.covariance.view((at, at), (2, 2)).into_owned();
+        let half = critical() * deviation_of_sum(&own, &[sine / amplitude, cosine / amplitude]);
+        let turn = critical() * deviation_of_sum(&own, &[-cosine / amplitude, sine / amplitude]) / amplitude;
+        let phase = cosine.atan2(sine);
+        harmonics.push(Harmonic {
+            order: overtone(wavenumbers[*position], wavenumbers[order[0]]),
+            per_turn: wavenumbers[*position],
+            amplitude_mnm: amplitude,
+            amplitude_ci95_mnm: Some(interval(amplitude, half)),
+            phase_rad: phase,
+            phase_ci95_rad: Some(interval(phase, turn)),
+            explains_percent: 100.0 * (1.0 - after / before),
+            relative_error_percent: Some(100.0 * (after / total).sqrt()),
+        });
+        before = after;
+    }
+    Some(harmonics)
+}
+
+/// Which multiple of the strongest a wavenumber is, if it is one.
+fn overtone(wavenumber: f64, strongest: f64) -> Option<u32> {
+    let ratio = wavenumber / strongest;
+    ((ratio - ratio.round()).abs() < 1e-9 && ratio >= 1.0).then(|| ratio.round() as u32)
 }

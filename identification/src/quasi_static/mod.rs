@@ -7,29 +7,36 @@
 mod block_sums;
 mod characteristic;
 mod matching_pursuit;
-mod passes;
-mod sinusoids;
 
-use dynamics::{Axis, Effect, effects};
-use nalgebra::{DMatrix, DVector};
-
-use crate::estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
-use crate::numerics::vector::smallest_step;
+use crate::estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
+use crate::fit::report::prediction_sd;
+use crate::numerics::vector::{extent, smallest_step};
 use crate::options::FitOptions;
 use crate::preparation::motion::scatter;
 use crate::preparation::saturation::Saturation;
 use crate::samples::{FEWEST_SAMPLES, Samples};
-use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, median, rms};
-use block_sums::{BlockSums, critical};
+use crate::uncertainty::statistics::{NORMAL_95, mean, median};
+use block_sums::{BlockSums, Estimate, critical};
+use dynamics::{Effect, ParameterKind, effects};
 use matching_pursuit::Grid;
-pub(crate) use sinusoids::of_turns;
+pub(crate) use matching_pursuit::of_turns;
 
 /// Fewest rows of a direction from which its friction is told.
 const FEWEST_ROWS: usize = FEWEST_SAMPLES / 4;
+/// A reversal counts once the knob has come back by this many times what the encoder resolves.
+const REVERSAL: f64 = 10.0;
+/// Travel in units of a counted reversal from which it is a motion and no noise.
+const LEAST_TRAVEL: f64 = 20.0;
+/// Mean speed of the passes above which inertia and viscous friction of a knob are no longer small beside the rest, rad/s.
+const FASTEST_RAD_S: f64 = 0.5;
+/// The travel is divided into this many places …
+const PLACES: usize = 50;
+/// … of which this share must have been visited: a jump from one place to another is no map.
+const VISITED: f64 = 0.8;
 
 /// The rows of a map.
 struct Map {
-    index: Vec<usize>,
+    time_s: Vec<f64>,
     angle_rad: Vec<f64>,
     directions: Vec<i8>,
     torque_mnm: Vec<f64>,
@@ -73,9 +80,9 @@ impl SlowMotion {
     /// Of checked samples; `None` if the knob did not wander slowly through its travel.
     pub(crate) fn of(samples: &Samples<'_>) -> Option<Self> {
         let map = Map::of(samples, &Saturation::of(samples.torque_mnm), false)?;
-        let speed_rad_s = map.mean_speed_rad_s(samples);
+        let speed_rad_s = map.mean_speed_rad_s();
         Some(Self {
-            time_s: map.index.iter().map(|at| samples.t_s[*at]).collect(),
+            time_s: map.time_s,
             velocity_rad_s: map.directions.iter().map(|direction| f64::from(*direction) * speed_rad_s).collect(),
             angle_rad: map.angle_rad,
             torque_mnm: map.torque_mnm,
@@ -85,13 +92,11 @@ impl SlowMotion {
 
 impl Map {
     /// Way over time of all neighbouring rows of one pass, rad/s.
-    fn mean_speed_rad_s(&self, samples: &Samples<'_>) -> f64 {
+    fn mean_speed_rad_s(&self) -> f64 {
         let (mut way_rad, mut time_s) = (0.0, 0.0);
-        for (at, pair) in
-            self.index.windows(2).enumerate().filter(|(at, _)| self.directions[*at] == self.directions[at + 1])
-        {
-            way_rad += f64::from(self.directions[at]) * (self.angle_rad[at + 1] - self.angle_rad[at]);
-            time_s += samples.t_s[pair[1]] - samples.t_s[pair[0]];
+        for at in (1..self.time_s.len()).filter(|at| self.directions[at - 1] == self.directions[*at]) {
+            way_rad += f64::from(self.directions[at]) * (self.angle_rad[at] - self.angle_rad[at - 1]);
+            time_s += self.time_s[at] - self.time_s[at - 1];
         }
         if time_s > 0.0 { way_rad / time_s } else { 0.0 }
     }
@@ -100,14 +105,15 @@ impl Map {
     fn of(samples: &Samples<'_>, saturation: &Saturation, is_curve: bool) -> Option<Self> {
         let step = smallest_step(samples.angle_rad);
         let duration_s = if is_curve { f64::INFINITY } else { samples.t_s.last()? - samples.t_s.first()? };
-        let directions = passes::directions(samples.angle_rad, duration_s, step)?;
+        let directions = directions(samples.angle_rad, duration_s, step)?;
         let index: Vec<usize> =
             (0..directions.len()).filter(|at| directions[*at] != 0 && !saturation.holds(*at)).collect();
+        let taken = |column: &[f64]| index.iter().map(|at| column[*at]).collect();
         (index.len() >= FEWEST_SAMPLES).then(|| Self {
-            angle_rad: index.iter().map(|at| samples.angle_rad[*at]).collect(),
+            time_s: taken(samples.t_s),
+            angle_rad: taken(samples.angle_rad),
             directions: index.iter().map(|at| directions[*at]).collect(),
-            torque_mnm: index.iter().map(|at| samples.torque_mnm[*at]).collect(),
-            index,
+            torque_mnm: taken(samples.torque_mnm),
         })
     }
 
@@ -126,58 +132,39 @@ impl Map {
     fn notes(&self, saturation: &Saturation) -> Vec<String> {
         let mut notes = vec![format!(
             "the knob turned too slowly for its speed to be measured: torque against angle and direction was fitted, from {} passes",
-            self.passes()
+            self.directions.chunk_by(|one, other| one == other).count()
         )];
         notes.extend(saturation.note("torque", "mNm"));
         notes
-    }
-
-    /// Number of passes: runs of one direction.
-    fn passes(&self) -> usize {
-        1 + self.directions.windows(2).filter(|pair| pair[0] != pair[1]).count()
     }
 }
 
 /// The settled map: friction columns first, then sine and cosine of each sinusoid.
 struct Fitted {
     sums: BlockSums,
-    coefficients: Vec<f64>,
-    covariance: DMatrix<f64>,
-    textbook: DMatrix<f64>,
-    residual: Vec<f64>,
+    estimate: Estimate,
     /// Strongest first.
     harmonics: Vec<Harmonic>,
-    /// Half widths of the strongest one's period, phase-independent: as estimated, and by the textbook, rad.
-    period_half_widths_rad: [f64; 2],
+    /// Half width of the strongest one's period, phase-independent, rad.
+    period_half_width_rad: f64,
 }
 
 impl Fitted {
     fn of(mut sums: BlockSums, map: &Map, frictions: usize, wavenumbers: &[f64]) -> Option<Self> {
         let estimate = sums.estimate()?;
-        let (order, harmonics) = sinusoids::ranked(&sums, &estimate, frictions, wavenumbers)?;
-        let coefficients = estimate.coefficients;
-        let pair =
-            |position: usize| [coefficients[frictions + 2 * position], coefficients[frictions + 2 * position + 1]];
-        let mut period_half_widths_rad = [0.0; 2];
-        if let Some(strongest) = order.first() {
+        let harmonics = matching_pursuit::ranked(&sums, &estimate, frictions, wavenumbers)?;
+        let mut period_half_width_rad = 0.0;
+        if let Some(Harmonic { per_turn, amplitude_mnm, phase_rad, .. }) = harmonics.first() {
             let base = sums.width();
-            let wavenumber = wavenumbers[*strongest];
-            sums.push(matching_pursuit::tangent(&map.angle_rad, wavenumber, pair(*strongest)));
+            let pair = [amplitude_mnm * phase_rad.cos(), amplitude_mnm * phase_rad.sin()];
+            sums.push(matching_pursuit::tangent(&map.angle_rad, *per_turn, pair));
             if let Some(wider) = sums.estimate() {
-                let half = |covariance: &DMatrix<f64>| covariance[(base, base)].max(0.0).sqrt() / wavenumber.powi(2);
-                period_half_widths_rad = [critical() * half(&wider.covariance), NORMAL_95 * half(&wider.textbook)];
+                let deviation = wider.covariance[(base, base)].max(0.0).sqrt();
+                period_half_width_rad = critical() * deviation / per_turn.powi(2);
             }
             sums.truncate(base);
         }
-        Some(Self {
-            residual: sums.residual(&coefficients),
-            sums,
-            coefficients,
-            covariance: estimate.covariance,
-            textbook: estimate.textbook,
-            harmonics,
-            period_half_widths_rad,
-        })
+        Some(Self { sums, estimate, harmonics, period_half_width_rad })
     }
 
     /// The fit as it is told.
@@ -190,24 +177,16 @@ impl Fitted {
         notes: Vec<String>,
     ) -> Fit {
         Fit {
-            covariance: Covariance::default(),
             parameters: self.parameters(frictions, no_detents),
-            residual_rms_mnm: rms(&self.residual),
-            relative_error_percent: 100.0 * rms(&self.residual) / rms(&map.torque_mnm),
-            mean_ci95_mnm: critical() * self.mean_prediction_sd(&self.covariance),
-            mean_ci95_textbook_mnm: NORMAL_95 * self.mean_prediction_sd(&self.textbook),
+            mean_ci95_textbook_mnm: NORMAL_95 * mean(prediction_sd(&self.sums.columns, &self.estimate.textbook)),
             samples: samples.t_s.len(),
-            rows: map.torque_mnm.len(),
-            torque_delay_s: 0.0,
             detent_harmonics: self.harmonics.clone(),
-            detent_aliases_rad: Vec::new(),
             preparation: preparation(samples, map.torque_mnm.len()),
             notes,
-            points: self.points(samples, map),
-            characteristics: Vec::new(),
-            axis: Axis::default(),
             effects: self.effects(frictions),
+            ..Fit::default()
         }
+        .compared(self.points(map))
     }
 
     fn no_detents(&self, grid: &Grid) -> String {
@@ -221,68 +200,53 @@ impl Fitted {
         let slow = "the knob turned too slowly: its speed and acceleration do not stand out of the sensors' noise; \
                     sweep faster"
             .to_owned();
+        let Estimate { coefficients, covariance, textbook } = &self.estimate;
         let mut parameters = Vec::new();
         for kind in effects::inertia::KIND.parameters.iter().chain(effects::friction::KIND.parameters) {
             let direction = if kind.name.ends_with("_negative") { "negative" } else { "positive" };
             parameters.push(match frictions.iter().position(|(name, _)| *name == kind.name) {
-                Some(at) if self.coefficients[at] >= 0.0 => Parameter {
-                    name: kind.name,
-                    value: Some(self.coefficients[at]),
-                    unit: kind.unit,
-                    ci95: Some(interval(self.coefficients[at], critical() * self.covariance[(at, at)].max(0.0).sqrt())),
-                    ci95_textbook: Some(interval(
-                        self.coefficients[at],
-                        NORMAL_95 * self.textbook[(at, at)].max(0.0).sqrt(),
-                    )),
-                    reason: None,
-                },
+                Some(at) if coefficients[at] >= 0.0 => {
+                    let around = |half: f64| Some(interval(coefficients[at], half));
+                    let ci95 = around(critical() * covariance[(at, at)].max(0.0).sqrt());
+                    let ci95_textbook = around(NORMAL_95 * textbook[(at, at)].max(0.0).sqrt());
+                    Parameter { ci95_textbook, ..Parameter::estimated(kind, coefficients[at], ci95) }
+                }
                 Some(at) => Parameter::not_identifiable(
-                    kind.name,
-                    kind.unit,
+                    kind,
                     format!(
                         "the mean torque in the {direction} direction is {:.3} mNm against friction: the torque channel has \
                          an offset; calibrate its zero",
-                        self.coefficients[at].abs()
+                        coefficients[at].abs()
                     ),
                 ),
                 None if kind.name.starts_with("coulomb") => Parameter::not_identifiable(
-                    kind.name,
-                    kind.unit,
+                    kind,
                     format!("the knob never turned in the {direction} direction for long enough; sweep both ways"),
                 ),
-                None => Parameter::not_identifiable(kind.name, kind.unit, slow.clone()),
+                None => Parameter::not_identifiable(kind, slow.clone()),
             });
         }
-        let [amplitude, period, phase] = [0, 1, 2].map(|index| &effects::detent::KIND.parameters[index]);
+        let detent = [0, 1, 2].map(|index| &effects::detent::KIND.parameters[index]);
         if let Some(strongest) = self.harmonics.first() {
-            let estimated = |kind: &dynamics::ParameterKind, value: f64, ci95: Option<[f64; 2]>| Parameter {
-                name: kind.name,
-                value: Some(value),
-                unit: kind.unit,
-                ci95,
-                ci95_textbook: None,
-                reason: None,
-            };
+            let [amplitude, period, phase] = detent;
             let period_rad = 1.0 / strongest.per_turn;
-            parameters.push(estimated(amplitude, strongest.amplitude_mnm, strongest.amplitude_ci95_mnm));
-            parameters.push(estimated(period, period_rad, Some(interval(period_rad, self.period_half_widths_rad[0]))));
-            parameters.push(estimated(phase, strongest.phase_rad, strongest.phase_ci95_rad));
+            let period_ci95_rad = Some(interval(period_rad, self.period_half_width_rad));
+            parameters.push(Parameter::estimated(amplitude, strongest.amplitude_mnm, strongest.amplitude_ci95_mnm));
+            parameters.push(Parameter::estimated(period, period_rad, period_ci95_rad));
+            parameters.push(Parameter::estimated(phase, strongest.phase_rad, strongest.phase_ci95_rad));
         } else {
-            let absent = |kind: &dynamics::ParameterKind| {
-                Parameter::not_identifiable(kind.name, kind.unit, no_detents.to_owned())
-            };
-            parameters.extend([amplitude, period, phase].map(absent));
+            parameters.extend(detent.map(|kind| Parameter::not_identifiable(kind, no_detents.to_owned())));
         }
-        for kind in effects::karnopp_stick::KIND.parameters {
-            parameters.push(Parameter::not_identifiable(kind.name, kind.unit, slow.clone()));
-        }
+        let unknown = |kind: &ParameterKind| Parameter::not_identifiable(kind, slow.clone());
+        parameters.extend(effects::karnopp_stick::KIND.parameters.iter().map(unknown));
         Parameters(parameters)
     }
 
     /// Inertia (not estimated), friction and one detent for each sinusoid.
     fn effects(&self, frictions: &[(&'static str, i8)]) -> Vec<Effect> {
         let coulomb = |name: &str| {
-            frictions.iter().position(|(known, _)| *known == name).map_or(0.0, |at| self.coefficients[at].max(0.0))
+            let place = frictions.iter().position(|(known, _)| *known == name);
+            place.map_or(0.0, |at| self.estimate.coefficients[at].max(0.0))
         };
         let friction = [coulomb("coulomb_negative"), coulomb("coulomb_positive"), 0.0, 0.0];
         let mut effects =
@@ -295,37 +259,21 @@ impl Fitted {
     }
 
     /// The rows; of the speed only its direction and its mean over the passes can be estimated.
-    fn points(&self, samples: &Samples<'_>, map: &Map) -> Vec<Point> {
-        let mut row = DVector::zeros(self.sums.width());
-        let speed_rad_s = map.mean_speed_rad_s(samples);
-        (0..map.index.len())
-            .map(|at| {
-                self.sums.row(at, &mut row);
-                Point {
-                    t_s: samples.t_s[map.index[at]],
-                    angle_rad: map.angle_rad[at],
-                    velocity_rad_s: f64::from(map.directions[at]) * speed_rad_s,
-                    acceleration_rad_s2: 0.0,
-                    torque_mnm: map.torque_mnm[at],
-                    torque_model_mnm: map.torque_mnm[at] - self.residual[at],
-                    torque_model_ci95_mnm: critical() * deviation_of_sum(&self.covariance, row.as_slice()),
-                    residual_mnm: self.residual[at],
-                }
-            })
-            .collect()
-    }
-
-    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
-    fn mean_prediction_sd(&self, covariance: &DMatrix<f64>) -> f64 {
-        let mut row = DVector::zeros(self.sums.width());
-        let rows = self.residual.len();
-        let sum: f64 = (0..rows)
-            .map(|at| {
-                self.sums.row(at, &mut row);
-                deviation_of_sum(covariance, row.as_slice())
-            })
-            .sum();
-        sum / rows as f64
+    fn points(&self, map: &Map) -> Vec<Point> {
+        let residual = self.sums.residual(&self.estimate.coefficients);
+        let deviation_mnm = prediction_sd(&self.sums.columns, &self.estimate.covariance);
+        let (speed_rad_s, critical) = (map.mean_speed_rad_s(), critical());
+        let point = |at: usize| Point {
+            t_s: map.time_s[at],
+            angle_rad: map.angle_rad[at],
+            velocity_rad_s: f64::from(map.directions[at]) * speed_rad_s,
+            acceleration_rad_s2: 0.0,
+            torque_mnm: map.torque_mnm[at],
+            torque_model_mnm: map.torque_mnm[at] - residual[at],
+            torque_model_ci95_mnm: critical * deviation_mnm[at],
+            residual_mnm: residual[at],
+        };
+        (0..map.time_s.len()).map(point).collect()
     }
 }
 
@@ -333,29 +281,63 @@ fn interval(value: f64, half: f64) -> [f64; 2] {
     [value - half, value + half]
 }
 
-/// Which multiple of the strongest a wavenumber is, if it is one.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small whole number")]
-fn overtone(wavenumber: f64, strongest: f64) -> Option<u32> {
-    let ratio = wavenumber / strongest;
-    ((ratio - ratio.round()).abs() < 1e-9 && ratio >= 1.0).then(|| ratio.round() as u32)
-}
-
 fn preparation(samples: &Samples<'_>, rows: usize) -> Preparation {
     let mut steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let rate_hz = 1.0 / median(&mut steps);
-    #[allow(clippy::cast_precision_loss, reason = "numbers of samples")]
     let used = rows as f64 / samples.t_s.len() as f64;
     Preparation {
         method: "quasi-static",
         rate_hz,
-        lost_samples: 0,
-        exact_motion: false,
-        accelerometer: false,
         angle_cutoff_hz: 0.5 * rate_hz,
         band_hz: 0.5 * rate_hz,
-        stick_threshold_rad_s: 0.0,
         sliding_percent: 100.0 * used,
         angle_noise_rad: scatter(samples.angle_rad),
         torque_noise_mnm: scatter(samples.torque_mnm),
+        ..Preparation::default()
     }
+}
+
+/// +1 or −1 for the direction of the pass that a sample belongs to; 0 where that is not known: before the first pass,
+/// and between a turning point and where the knob has surely turned, while friction changes over.
+///
+/// `None` if the knob did not wander slowly through its travel.
+fn directions(angle_rad: &[f64], duration_s: f64, resolution_rad: f64) -> Option<Vec<i8>> {
+    let (lowest, highest) = extent(angle_rad)?;
+    let travel = highest - lowest;
+    let reversal = REVERSAL * resolution_rad.max(scatter(angle_rad));
+    if !reversal.is_finite() || travel < LEAST_TRAVEL * reversal {
+        return None;
+    }
+    let mut visited = [false; PLACES];
+    for angle in angle_rad {
+        visited[(((angle - lowest) / travel * PLACES as f64) as usize).min(PLACES - 1)] = true;
+    }
+    if (visited.iter().filter(|place| **place).count() as f64) < VISITED * PLACES as f64 {
+        return None;
+    }
+    let mut directions = vec![0_i8; angle_rad.len()];
+    let mut direction = 0_i8;
+    let mut path = 0.0;
+    // The furthest points of the pass, and where they were.
+    let (mut low, mut high) = ((angle_rad[0], 0), (angle_rad[0], 0));
+    for (index, angle) in angle_rad.iter().enumerate() {
+        if *angle < low.0 {
+            low = (*angle, index);
+        }
+        if *angle > high.0 {
+            high = (*angle, index);
+        }
+        if direction >= 0 && *angle < high.0 - reversal {
+            directions[high.1 + 1..index].fill(0);
+            path += high.0 - low.0;
+            (direction, low) = (-1, (*angle, index));
+        } else if direction <= 0 && *angle > low.0 + reversal {
+            directions[low.1 + 1..index].fill(0);
+            path += high.0 - low.0;
+            (direction, high) = (1, (*angle, index));
+        }
+        directions[index] = direction;
+    }
+    path += high.0 - low.0;
+    (path < FASTEST_RAD_S * duration_s).then_some(directions)
 }

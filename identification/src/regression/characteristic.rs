@@ -4,7 +4,7 @@
 use dynamics::{Effect, EffectKind, Motion, Part, TableUse, TorqueTable, effects};
 use nalgebra::DMatrix;
 
-use super::gram::Correction;
+use super::gram::{COLLINEAR, Correction};
 use super::least_squares::LeastSquares;
 use crate::numerics::vector::{self, dot};
 use crate::uncertainty::statistics::{NORMAL_95, mean};
@@ -119,12 +119,6 @@ pub(crate) struct Places {
 impl Places {
     /// For samples of a torque over an angle: half of the points are spread evenly, half by the root of the second derivative (C. de Boor,
     /// A Practical Guide to Splines, 1978, chapter XII). `None` where the angle does not change.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a number of cells, and a place among them"
-    )]
     pub(crate) fn of(samples: &(impl Iterator<Item = (f64, f64)> + Clone)) -> Option<Self> {
         let angles = || samples.clone().map(|(angle_rad, _)| angle_rad);
         let (lowest_rad, highest_rad) =
@@ -158,7 +152,6 @@ impl Places {
     }
 
     /// So many points, rising.
-    #[allow(clippy::cast_precision_loss, reason = "a number of cells")]
     fn points(&self, count: u16) -> Vec<f64> {
         let place = |point: u16| {
             let share = f64::from(point) / f64::from(count - 1);
@@ -188,7 +181,7 @@ pub(crate) struct Measured {
 /// The projection of columns on those of measured curves. What it leaves of the other columns gives their coefficients, and how well they
 /// are known, as a fit of all together does (R. Frisch and F. V. Waugh, Econometrica 1, 1933, 387–401).
 pub(crate) struct CurveProjection {
-    points: Vec<Vec<f64>>,
+    pub(crate) points: Vec<Vec<f64>>,
     products: DMatrix<f64>,
 }
 
@@ -211,15 +204,10 @@ impl CurveProjection {
         Self { products: vector::gram(&points), points }
     }
 
-    /// Number of points.
-    pub(crate) fn count(&self) -> usize {
-        self.points.len()
-    }
-
     /// What the points cannot do of a column; nothing where only rounding is left.
     pub(crate) fn remainder(&self, column: &[f64]) -> Vec<f64> {
         let free = vec![false; self.points.len()];
-        let left = LeastSquares::of_products(&self.points, &self.products, column, &free, &[]).residual;
+        let left = LeastSquares::of_products(&self.points, &self.products, column, &free, &[], COLLINEAR).residual;
         if dot(&left, &left) > ROUNDING * dot(column, column) { left } else { vec![0.0; column.len()] }
     }
 }
@@ -253,7 +241,6 @@ pub(crate) fn measure(
             nonnegative.iter().copied().chain(std::iter::repeat(false)).take(columns.len()).collect();
         let solution = LeastSquares::corrected(&columns, target, &bounds, &corrections);
         let left = dot(&solution.residual, &solution.residual);
-        #[allow(clippy::cast_precision_loss, reason = "numbers of rows and columns")]
         let criterion = {
             let (rows, fitted) = (target.len() as f64, solution.fitted() as f64);
             rows * (left / rows).max(f64::MIN_POSITIVE).ln() + fitted * rows.ln()

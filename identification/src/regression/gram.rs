@@ -2,14 +2,19 @@
 //!
 //! A matrix of products has the target in its first row and column, and the columns that are to explain it behind.
 
+use std::ops::Deref;
+
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+use crate::numerics::vector;
 use crate::uncertainty::statistics::mean_over_error;
 
 /// A column of which less than this share of the square remains beside the others counts as collinear.
 pub(crate) const COLLINEAR: f64 = 1e-9;
 /// Noise of a column may make up at most this share of its square to be taken off: beyond, nothing would be left.
 const MOST_NOISE: f64 = 0.5;
+/// Stretches of a capture, alternately fitted and predicted.
+const STRETCHES: usize = 16;
 
 /// What is added to a column's inner products beyond its rows: what holds its coefficient near a value or, below zero, noise that
 /// the rows hold.
@@ -198,6 +203,19 @@ pub(crate) fn evidence(blocks: &[DMatrix<f64>], base: usize) -> f64 {
         }
     }
     mean_over_error(&gains)
+}
+
+/// [`evidence`] for the columns beyond the first `base`, over stretches of the capture.
+pub(crate) fn held_out_evidence<C: Deref<Target = [f64]>>(columns: &[C], base: usize, target: &[f64]) -> f64 {
+    let length = target.len().div_ceil(STRETCHES).max(1);
+    let blocks: Vec<DMatrix<f64>> = (0..STRETCHES)
+        .map(|stretch| {
+            let rows = (stretch * length).min(target.len())..((stretch + 1) * length).min(target.len());
+            let all = std::iter::once(target).chain(columns.iter().map(|column| &**column));
+            vector::gram(&all.map(|column| &column[rows.clone()]).collect::<Vec<_>>())
+        })
+        .collect();
+    evidence(&blocks, base)
 }
 
 /// Sum of products of `size` rows and columns.

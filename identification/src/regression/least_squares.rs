@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use super::gram::{COLLINEAR, Correction, Normal};
 use crate::numerics::vector::{self, dot};
 use crate::uncertainty::leverage::Leverage;
-use crate::uncertainty::long_run::{kernel_scale, smooth_scores};
+use crate::uncertainty::long_run;
 
 /// A correction that would move the prediction by less than this share of the target is rounding, …
 const SETTLED: f64 = 1e-15;
@@ -51,7 +51,6 @@ pub(crate) struct RobustCovariance {
 
 impl RobustCovariance {
     /// Allows for so many more columns that took their part of the residual and are not among those looked at.
-    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     pub(crate) fn enlarge(&mut self, columns: usize) {
         self.matrix *= self.rows as f64 / self.rows.saturating_sub(columns).max(1) as f64;
     }
@@ -63,30 +62,19 @@ impl RobustCovariance {
 }
 
 impl LeastSquares {
-    /// Solves for `columns` (each as long as `target`); coefficients marked in `nonnegative` stay at or above zero.
-    pub(crate) fn solve<C: Deref<Target = [f64]>>(columns: &[C], target: &[f64], nonnegative: &[bool]) -> Self {
-        Self::corrected(columns, target, nonnegative, &[])
+    /// Solves for `columns`, each as long as `target`, whose coefficients may have either sign.
+    pub(crate) fn solve<C: Deref<Target = [f64]>>(columns: &[C], target: &[f64]) -> Self {
+        Self::corrected(columns, target, &vec![false; columns.len()], &[])
     }
 
-    /// The same with corrections of the normal equations.
+    /// The same with corrections of the normal equations; coefficients marked in `nonnegative` stay at or above zero.
     pub(crate) fn corrected<C: Deref<Target = [f64]>>(
         columns: &[C],
         target: &[f64],
         nonnegative: &[bool],
         corrections: &[Correction],
     ) -> Self {
-        Self::of_products(columns, &vector::gram(columns), target, nonnegative, corrections)
-    }
-
-    /// The same with the columns' inner products given.
-    pub(crate) fn of_products<C: Deref<Target = [f64]>>(
-        columns: &[C],
-        products: &DMatrix<f64>,
-        target: &[f64],
-        nonnegative: &[bool],
-        corrections: &[Correction],
-    ) -> Self {
-        Self::normal(columns, products, target, nonnegative, corrections, COLLINEAR)
+        Self::of_products(columns, &vector::gram(columns), target, nonnegative, corrections, COLLINEAR)
     }
 
     /// The same for columns that may be sums of each other.
@@ -106,10 +94,12 @@ impl LeastSquares {
             product: 0.0,
         });
         let corrections: Vec<Correction> = holds.chain(corrections.iter().copied()).collect();
-        Self::normal(columns, &products, target, nonnegative, &corrections, 0.0)
+        Self::of_products(columns, &products, target, nonnegative, &corrections, 0.0)
     }
 
-    fn normal<C: Deref<Target = [f64]>>(
+    /// [`Self::corrected`] with the columns' inner products given, and the share of a column's square that must remain beside the
+    /// earlier ones for it to be fitted.
+    pub(crate) fn of_products<C: Deref<Target = [f64]>>(
         columns: &[C],
         products: &DMatrix<f64>,
         target: &[f64],
@@ -175,11 +165,6 @@ impl LeastSquares {
         solution
     }
 
-    /// Whether it leaves less than another solution of the same target.
-    pub(crate) fn improves(&self, other: &Self) -> bool {
-        dot(&self.residual, &self.residual) < (1.0 - 1e-6) * dot(&other.residual, &other.residual)
-    }
-
     /// The columns that were fitted.
     fn active(&self) -> Vec<usize> {
         (0..self.coefficients.len()).filter(|column| !self.collinear[*column] && !self.at_zero[*column]).collect()
@@ -190,11 +175,20 @@ impl LeastSquares {
         self.active().len()
     }
 
+    /// Rows beyond the number of columns that were fitted.
+    fn freedom(&self) -> f64 {
+        self.residual.len().saturating_sub(self.fitted()).max(1) as f64
+    }
+
     /// Covariance of the coefficients if the residuals were independent and alike (the textbook's).
-    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     pub(crate) fn textbook_covariance(&self) -> DMatrix<f64> {
-        let freedom = self.residual.len().saturating_sub(self.fitted()).max(1) as f64;
-        &self.inverse * (dot(&self.residual, &self.residual) / freedom)
+        &self.inverse * (dot(&self.residual, &self.residual) / self.freedom())
+    }
+
+    /// The columns' products with the residual, row by row.
+    fn scores<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> Vec<Vec<f64>> {
+        let score = |column: &C| column.iter().zip(&self.residual).map(|(value, left)| value * left).collect();
+        columns.iter().map(score).collect()
     }
 
     /// Covariance of the coefficients for residuals of unknown autocorrelation and varying size.
@@ -203,14 +197,12 @@ impl LeastSquares {
     /// residuals have lost to the fit (`leverage`).
     pub(crate) fn robust<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> RobustCovariance {
         let count = columns.len();
-        let scores: Vec<Vec<f64>> = columns.iter().map(|column| vector::multiply(column, &self.residual)).collect();
-        let (smooth, width, bandwidth) = smooth_scores(&scores);
-        let middle = vector::gram(&smooth);
+        let (middle, bandwidth) = long_run::covariance(&self.scores(columns));
         let active = self.active();
         let leverage = Leverage::of(columns, &active, bandwidth);
         let factor = &self.inverse * leverage.correction();
         let mut robust = RobustCovariance {
-            matrix: &factor * middle * factor.transpose() * kernel_scale(width),
+            matrix: &factor * middle * factor.transpose(),
             degrees_of_freedom: f64::INFINITY,
             leverage,
             rows: self.residual.len(),
@@ -227,59 +219,24 @@ impl LeastSquares {
 
     /// The same of many columns, enlarged by the rows over those that the fit left: what [`Self::robust`] looks at in the columns
     /// instead grows with the fourth power of their number.
-    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     pub(crate) fn robust_of_many<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> DMatrix<f64> {
-        let rows = self.residual.len();
-        let scores: Vec<Vec<f64>> = columns.iter().map(|column| vector::multiply(column, &self.residual)).collect();
-        let (smooth, width, _) = smooth_scores(&scores);
-        let middle = vector::gram(&smooth);
-        let freedom = rows as f64 / rows.saturating_sub(self.fitted()).max(1) as f64;
-        &self.inverse * middle * &self.inverse * (kernel_scale(width) * freedom)
+        let (middle, _) = long_run::covariance(&self.scores(columns));
+        &self.inverse * middle * &self.inverse * (self.residual.len() as f64 / self.freedom())
     }
 
     /// Standard deviation of one coefficient, estimated likewise from the one series that it depends on.
-    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     pub(crate) fn robust_deviation<C: Deref<Target = [f64]>>(&self, columns: &[C], coefficient: usize) -> f64 {
         let rows = self.residual.len();
         let shares: Vec<f64> = (0..columns.len()).map(|column| -self.inverse[(coefficient, column)]).collect();
-        let mut influence = vec![0.0; rows];
-        vector::residual(columns, &shares, &influence.clone(), &mut influence);
-        let score = vector::multiply(&influence, &self.residual);
-        let (smooth, width, _) = smooth_scores(&[score]);
-        let freedom = rows as f64 / rows.saturating_sub(self.fitted()).max(1) as f64;
-        (dot(&smooth[0], &smooth[0]) * kernel_scale(width) * freedom).sqrt()
+        let influence = residual(columns, &vec![0.0; rows], &shares);
+        let (square, _) = long_run::covariance(&self.scores(&[influence]));
+        (square[(0, 0)] * (rows as f64 / self.freedom())).sqrt()
     }
 }
 
 /// Target minus Σ coefficient · column.
 pub(crate) fn residual<C: Deref<Target = [f64]>>(columns: &[C], target: &[f64], coefficients: &[f64]) -> Vec<f64> {
-    let mut residual = target.to_vec();
-    for (column, coefficient) in columns.iter().zip(coefficients).filter(|(_, coefficient)| **coefficient != 0.0) {
-        vector::subtract(&mut residual, *coefficient, column);
-    }
+    let mut residual = vec![0.0; target.len()];
+    vector::residual(columns, coefficients, target, &mut residual);
     residual
-}
-
-#[cfg(test)]
-mod tests {
-    use super::LeastSquares;
-
-    #[test]
-    fn sorting_the_samples_by_position_changes_nothing() {
-        let angle: Vec<f64> = (0..500).map(|n| (f64::from(n) * 0.37).sin()).collect();
-        let velocity: Vec<f64> = (0..500).map(|n| (f64::from(n) * 0.37).cos()).collect();
-        let torque: Vec<f64> = (0..500)
-            .map(|n| 2.0 * angle[n] + 0.5 * velocity[n] + 0.1 * f64::from(u32::try_from(n * n % 17).unwrap_or(0)))
-            .collect();
-        let mut order: Vec<usize> = (0..500).collect();
-        order.sort_by(|a, b| angle[*a].total_cmp(&angle[*b]));
-        let sorted = |values: &[f64]| order.iter().map(|index| values[*index]).collect::<Vec<f64>>();
-        let in_time = LeastSquares::solve(&[angle.clone(), velocity.clone()], &torque, &[false; 2]);
-        let by_angle = LeastSquares::solve(&[sorted(&angle), sorted(&velocity)], &sorted(&torque), &[false; 2]);
-        for (left, right) in in_time.coefficients.iter().zip(&by_angle.coefficients) {
-            assert!((left - right).abs() < 1e-12, "{left} in time, {right} by position");
-        }
-        let difference = in_time.textbook_covariance() - by_angle.textbook_covariance();
-        assert!(difference.norm() < 1e-12 * in_time.textbook_covariance().norm());
-    }
 }

@@ -3,7 +3,6 @@
 
 pub(crate) mod characteristic;
 pub(crate) mod gram;
-pub(crate) mod held_out;
 pub(crate) mod least_squares;
 pub(crate) mod problem;
 pub(crate) mod refiner;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use dynamics::{Effect, Minimum, Part, effects};
 use nalgebra::{DMatrix, DVector};
 
-use super::gram::Correction;
+use super::gram::{COLLINEAR, Correction};
 use super::least_squares::LeastSquares;
 use super::refiner::{self, Ended, longest_improving};
 use crate::numerics::vector::{self, dot};
@@ -35,7 +35,8 @@ pub(crate) struct Problem<'a> {
     products: DMatrix<f64>,
     /// Rows of θ·sin(θ/P) and θ·cos(θ/P) for the detents at the index given, from which the derivative by P follows.
     detent_slopes: Option<(usize, [Column; 2])>,
-    nonnegative: Vec<bool>,
+    /// Which coefficients stay at or above zero.
+    pub(crate) nonnegative: Vec<bool>,
     pub(crate) noise: SensorNoise,
     /// Columns whose coefficient is an inertia.
     inertial: Vec<usize>,
@@ -90,11 +91,6 @@ impl<'a> Problem<'a> {
         self.update_products(first);
     }
 
-    /// Which coefficients stay at or above zero.
-    pub(crate) fn nonnegative(&self) -> &[bool] {
-        &self.nonnegative
-    }
-
     /// Rows of the columns of the effect that is, or will be, at `index`.
     fn effect_rows(&mut self, index: usize, effect: &Effect) -> Vec<Column> {
         if effect.kind().name != effects::detent::KIND.name {
@@ -117,13 +113,13 @@ impl<'a> Problem<'a> {
     /// Computes the inner products of the columns from `first` on again.
     fn update_products(&mut self, first: usize) {
         let count = self.columns.len();
-        let products = std::mem::replace(&mut self.products, DMatrix::zeros(0, 0));
-        self.products = products.resize(count, count, 0.0);
+        self.products.resize_mut(count, count, 0.0);
         vector::products(&self.columns, first, &mut self.products);
     }
 
     pub(crate) fn solve(&self) -> LeastSquares {
-        LeastSquares::of_products(&self.columns, &self.products, &self.target, &self.nonnegative, &self.column_noise())
+        let Self { columns, products, target, nonnegative, .. } = self;
+        LeastSquares::of_products(columns, products, target, nonnegative, &self.column_noise(), COLLINEAR)
     }
 
     /// What takes the columns' noise off their products.
@@ -142,7 +138,8 @@ impl<'a> Problem<'a> {
         nonnegative.resize(columns.len(), false);
         let mut products = self.products.clone().resize(columns.len(), columns.len(), 0.0);
         vector::products(&columns, self.columns.len(), &mut products);
-        let solution = LeastSquares::of_products(&columns, &products, &self.target, &nonnegative, &self.column_noise());
+        let noise = self.column_noise();
+        let solution = LeastSquares::of_products(&columns, &products, &self.target, &nonnegative, &noise, COLLINEAR);
         (columns, solution)
     }
 
@@ -221,7 +218,6 @@ impl<'a> Problem<'a> {
         if searched.is_empty() {
             return (solution, Ended::Settled);
         }
-        #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
         let rows = self.target.len() as f64;
         let ended = refiner::refine(rounds, 0.0, dot(&solution.residual, &solution.residual), |before| {
             let (full, gain) = self.gauss_newton(&searched, &solution).ok_or(Ended::NoStepImproves)?;

@@ -47,7 +47,6 @@ pub(crate) struct Leverage {
 
 impl Leverage {
     /// Looks at the `active` ones of `columns` through a kernel of `bandwidth` rows.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of rows")]
     pub(crate) fn of<C: Deref<Target = [f64]>>(columns: &[C], active: &[usize], bandwidth: f64) -> Self {
         let half = (0.5 * bandwidth).round().max(1.0) as usize;
         let group = half.div_ceil(PLACES_PER_HALF).max(1);
@@ -109,7 +108,6 @@ impl Leverage {
     /// The variance is a sum over windows of squares whose expectations a go with the columns' squares there, and
     /// which are alike over the bandwidth: it varies by 2/ν = 2·∫k²·Σa² over (Σa)², k Parzen's kernel. A knob that slides
     /// forward half of the time has half of the windows to tell its friction by.
-    #[allow(clippy::cast_precision_loss, reason = "a number of places")]
     pub(crate) fn degrees_of_freedom(&self, direction: &DVector<f64>) -> f64 {
         let along: Vec<f64> =
             self.active.iter().zip(&self.lengths).map(|(index, length)| direction[*index] * length).collect();

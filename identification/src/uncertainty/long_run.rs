@@ -4,7 +4,9 @@
 //! first-order autocorrelations. Parzen's kernel is a triangle convolved with itself, and a triangle is a box convolved
 //! with itself: with running sums the cost does not depend on the bandwidth, and the result has no negative eigenvalue.
 
-use crate::numerics::vector::dot;
+use nalgebra::DMatrix;
+
+use crate::numerics::vector::{self, dot};
 
 /// Places at which half of the kernel is told apart.
 const PLACES_PER_HALF: usize = 16;
@@ -15,15 +17,8 @@ const SHARE: f64 = 0.02;
 /// ∫k² of Parzen's kernel from −1 to 1.
 pub(crate) const PARZEN_SQUARES: f64 = 151.0 / 280.0;
 
-/// Scores summed over triangles, whose inner products are the long-run covariance but for [`kernel_scale`]; half the
-/// bandwidth in their own places, and the bandwidth in rows.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a number of rows"
-)]
-pub(crate) fn smooth_scores(scores: &[Vec<f64>]) -> (Vec<Vec<f64>>, usize, f64) {
+/// The long-run covariance of scores, and the bandwidth of its kernel in rows.
+pub(crate) fn covariance(scores: &[Vec<f64>]) -> (DMatrix<f64>, f64) {
     let rows = scores.first().map_or(0, Vec::len);
     let half = (0.5 * parzen_bandwidth(scores, rows)).round().max(1.0) as usize;
     // Neighbours far closer than the bandwidth count as one.
@@ -38,11 +33,11 @@ pub(crate) fn smooth_scores(scores: &[Vec<f64>]) -> (Vec<Vec<f64>>, usize, f64) 
         }
         triangles(&places, width).into_iter().take(scores.len())
     });
-    (smooth.collect(), width, 2.0 * (width * group) as f64)
+    let covariance = vector::gram(&smooth.collect::<Vec<_>>()) * kernel_scale(width);
+    (covariance, 2.0 * (width * group) as f64)
 }
 
 /// One over the triangle's sum of squares: what the kernel would else be at lag zero.
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 pub(crate) fn kernel_scale(width: usize) -> f64 {
     let width = width as f64;
     3.0 / (width * (2.0 * width * width + 1.0))
@@ -73,7 +68,6 @@ fn triangles(values: &[[f64; TOGETHER]], width: usize) -> [Vec<f64>; TOGETHER] {
     smooth
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 fn parzen_bandwidth(scores: &[Vec<f64>], rows: usize) -> f64 {
     let (mut above, mut below) = (0.0, 0.0);
     for score in scores {

@@ -1,11 +1,12 @@
 //! Quantiles, and the factors between a standard deviation and a 95 % interval.
 
 use std::borrow::Borrow;
+use std::ops::Range;
 
 use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::numerics::vector::dot;
+use crate::numerics::vector::{self, dot};
 
 /// Two-sided 95 % of the normal distribution, in standard deviations.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -41,7 +42,6 @@ pub(crate) fn student_above(score: f64, degrees_of_freedom: f64) -> f64 {
 
 /// The share of false discoveries among `p_values` up to and including one of them (Y. Benjamini, Y. Hochberg, J. R. Stat.
 /// Soc. B 57, 1995, 289–300).
-#[allow(clippy::cast_precision_loss, reason = "a number of tests")]
 pub(crate) fn false_discovery_rate(p_value: f64, p_values: &[f64]) -> f64 {
     let rate = |p_value: f64| {
         let rank = p_values.iter().filter(|other| **other <= p_value).count().max(1);
@@ -59,7 +59,6 @@ pub(crate) fn false_discovery_rate(p_value: f64, p_values: &[f64]) -> f64 {
 /// assert_eq!(plus_minus(1234.6, 67.8), "1235 ± 68");
 /// ```
 #[must_use]
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of decimals from 0 to 12")]
 pub fn plus_minus(value: f64, half_width: f64) -> String {
     let decimals = (1.0 - half_width.abs().log10().floor()).clamp(0.0, 12.0) as usize;
     format!("{value:.decimals$} ± {half_width:.decimals$}")
@@ -81,7 +80,6 @@ pub(crate) fn mean<V: Borrow<f64>>(values: impl IntoIterator<Item = V>) -> f64 {
 }
 
 /// Mean, and its standard error as the values' scatter gives it.
-#[allow(clippy::cast_precision_loss, reason = "a number of values")]
 pub(crate) fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     let mean = mean(values);
@@ -107,12 +105,6 @@ pub fn median(values: &mut [f64]) -> f64 {
 }
 
 /// Value below which the given share of the values lies; reorders them; 0 for none.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "an index between 0 and the length"
-)]
 pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
@@ -121,16 +113,37 @@ pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     *values.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
+/// Mean and slope per sample of the straight line through a signal at `places` 0, 1, ….
+pub(crate) fn line(signal: &[f64], places: &[f64]) -> (f64, f64) {
+    let count = signal.len() as f64;
+    let middle = 0.5 * (count - 1.0);
+    let mean = vector::sum(signal) / count;
+    let moment = dot(places, signal) - middle * count * mean;
+    (mean, moment / (count * (count * count - 1.0) / 12.0))
+}
+
+/// What `of` makes of every value and up to `reach` neighbours on either side of it.
+pub(crate) fn running(values: &[f64], reach: usize, of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+    let near = |at: usize| &values[at.saturating_sub(reach)..(at + reach + 1).min(values.len())];
+    (0..values.len()).map(|at| of(near(at))).collect()
+}
+
+/// All runs of neighbours that are alike.
+pub(crate) fn runs<T>(values: &[T], alike: impl FnMut(&T, &T) -> bool) -> impl Iterator<Item = Range<usize>> {
+    values.chunk_by(alike).scan(0, |start, run| {
+        *start += run.len();
+        Some(*start - run.len()..*start)
+    })
+}
+
 /// Root of the mean square; 0 for no values.
 #[must_use]
 pub fn rms(values: &[f64]) -> f64 {
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     let count = values.len().max(1) as f64;
     (dot(values, values) / count).sqrt()
 }
 
 /// Correlation of the ranks of pairs (Spearman's); zero for fewer than three.
-#[allow(clippy::cast_precision_loss, reason = "numbers of pairs")]
 pub(crate) fn rank_correlation(pairs: &[[f64; 2]]) -> f64 {
     let ranks = |of: usize| {
         let mut order: Vec<usize> = (0..pairs.len()).collect();

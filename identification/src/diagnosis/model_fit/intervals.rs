@@ -16,7 +16,7 @@ use crate::uncertainty::statistics::student_95;
 pub(crate) fn of(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'static str, Value>> {
     let fit = Nonlinear::new(structure.clone(), capture);
     let tangents = fit.secants();
-    let solved = LeastSquares::solve(&tangents, &fit.residual, &vec![false; tangents.len()]);
+    let solved = LeastSquares::solve(&tangents, &fit.residual);
     let RobustCovariance { matrix: covariance, degrees_of_freedom, .. } = solved.robust(&tangents);
     let critical = student_95(degrees_of_freedom);
     let mut all = Vec::new();

@@ -123,7 +123,7 @@ pub(crate) fn detents(effect: &str, structure: &Structure, capture: &Capture) ->
     let columns: Vec<&[f64]> = of_lobes.iter().map(Vec::as_slice).chain(rest.columns()).collect();
     // What is left is the same whichever columns say it: the structure is at its best.
     let left = Separable::new(structure.clone(), capture).residual;
-    let solved = LeastSquares::solve(&columns, &left, &vec![false; columns.len()]);
+    let solved = LeastSquares::solve(&columns, &left);
     let covariance = solved.robust(&columns);
     let critical = student_95(covariance.degrees_of_freedom);
     let (count, units) = (lobes.lobes(), lobes.units());

@@ -156,7 +156,7 @@ fn torques_mnm(spline: &Spline, present: &Separable<'_>, capture: &Capture) -> V
 
 /// The points of a fitted spline with their intervals, the other effects being as they are.
 fn points(spline: &Spline, judged: &Judged, rows: &[Vec<f64>]) -> Vec<CharacteristicPoint> {
-    let solved = LeastSquares::solve(rows, &judged.train_residual, &vec![false; rows.len()]);
+    let solved = LeastSquares::solve(rows, &judged.train_residual);
     let covariance = solved.robust(rows);
     let critical = student_95(covariance.degrees_of_freedom);
     let effect = judged.structure.effects.last();

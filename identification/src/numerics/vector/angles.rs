@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_2_PI;
 
-use super::{BLOCK, widest};
+use super::BLOCK;
 
 /// Largest argument that the reduction below takes without losing digits; larger ones go the slow way.
 const LARGEST_ARGUMENT: f64 = 1e6;
@@ -17,26 +17,23 @@ pub(crate) fn share_out(values: &[f64], angles: &[f64], offset_rad: f64, bin_rad
     let length = values.len().min(angles.len());
     let half = length.div_ceil(2);
     let mut shares = [Shares::EMPTY; 2];
-    widest(
-        #[inline(always)]
-        || {
-            for start in (0..half).step_by(BLOCK) {
-                for (shares, first) in shares.iter_mut().zip([start, half + start]) {
-                    let end = (start + BLOCK).min(half) - start + first;
-                    let range = first.min(length)..end.min(length);
-                    shares.of(&values[range.clone()], &angles[range], offset_rad, per_bin);
-                }
-                for place in 0..BLOCK {
-                    for shares in &shares {
-                        let first = (shares.first[place] as usize).min(last);
-                        for (bin, share) in bins[first..first + 4].iter_mut().zip(&shares.share) {
-                            *bin += share[place];
-                        }
+    widest!({
+        for start in (0..half).step_by(BLOCK) {
+            for (shares, first) in shares.iter_mut().zip([start, half + start]) {
+                let end = (start + BLOCK).min(half) - start + first;
+                let range = first.min(length)..end.min(length);
+                shares.of(&values[range.clone()], &angles[range], offset_rad, per_bin);
+            }
+            for place in 0..BLOCK {
+                for shares in &shares {
+                    let first = (shares.first[place] as usize).min(last);
+                    for (bin, share) in bins[first..first + 4].iter_mut().zip(&shares.share) {
+                        *bin += share[place];
                     }
                 }
             }
-        },
-    );
+        }
+    });
 }
 
 /// What a block of values gives to four bins each.
@@ -57,7 +54,6 @@ impl Shares {
         let slots = first.iter_mut().zip(a.iter_mut()).zip(b.iter_mut()).zip(c.iter_mut()).zip(d.iter_mut());
         for (((((first, a), b), c), d), (value, angle)) in slots.zip(values.iter().zip(angles)) {
             let place = ((angle - offset_rad) * per_bin).max(0.0);
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index of a bin")]
             let index = place as u32;
             let share = place - f64::from(index);
             let rest = 1.0 - share;
@@ -84,48 +80,42 @@ pub(crate) fn share_out_together<const COLUMNS: usize>(
     let Some(last) = bins.len().checked_sub(4) else { return };
     let ones = [1.0; BLOCK];
     let mut shares = Shares::EMPTY;
-    widest(
-        #[inline(always)]
-        || {
-            for (angles, start) in angles.chunks(BLOCK).zip((0..).step_by(BLOCK)) {
-                shares.of(&ones[..angles.len()], angles, offset_rad, per_bin);
-                for place in 0..angles.len() {
-                    let values: [f64; COLUMNS] = columns.map(
-                        #[inline(always)]
-                        |column| column[start + place],
-                    );
-                    let first = (shares.first[place] as usize).min(last);
-                    for (bin, share) in bins[first..first + 4].iter_mut().zip(&shares.share) {
-                        for (sum, value) in bin.iter_mut().zip(&values) {
-                            *sum += share[place] * value;
-                        }
+    widest!({
+        for (angles, start) in angles.chunks(BLOCK).zip((0..).step_by(BLOCK)) {
+            shares.of(&ones[..angles.len()], angles, offset_rad, per_bin);
+            for place in 0..angles.len() {
+                let values: [f64; COLUMNS] = columns.map(
+                    #[inline(always)]
+                    |column| column[start + place],
+                );
+                let first = (shares.first[place] as usize).min(last);
+                for (bin, share) in bins[first..first + 4].iter_mut().zip(&shares.share) {
+                    for (sum, value) in bin.iter_mut().zip(&values) {
+                        *sum += share[place] * value;
                     }
                 }
             }
-        },
-    );
+        }
+    });
 }
 
 /// Sine and cosine of `wavenumber` times every angle, to a unit or two in the last place.
 ///
 /// Cody and Waite's reduction to ±π/4 and the polynomials of fdlibm (`k_sin.c`, `k_cos.c`, Sun Microsystems 1993).
 pub(crate) fn sines(angle: &[f64], wavenumber: f64, sine: &mut [f64], cosine: &mut [f64]) {
-    widest(
-        #[inline(always)]
-        || {
-            let mut too_large = 0_u64;
+    widest!({
+        let mut too_large = 0_u64;
+        for ((angle, sine), cosine) in angle.iter().zip(sine.iter_mut()).zip(cosine.iter_mut()) {
+            let argument = angle * wavenumber;
+            too_large |= u64::from(argument.abs() > LARGEST_ARGUMENT);
+            (*sine, *cosine) = sine_cosine(argument);
+        }
+        if too_large != 0 {
             for ((angle, sine), cosine) in angle.iter().zip(sine.iter_mut()).zip(cosine.iter_mut()) {
-                let argument = angle * wavenumber;
-                too_large |= u64::from(argument.abs() > LARGEST_ARGUMENT);
-                (*sine, *cosine) = sine_cosine(argument);
+                (*sine, *cosine) = (angle * wavenumber).sin_cos();
             }
-            if too_large != 0 {
-                for ((angle, sine), cosine) in angle.iter().zip(sine.iter_mut()).zip(cosine.iter_mut()) {
-                    (*sine, *cosine) = (angle * wavenumber).sin_cos();
-                }
-            }
-        },
-    );
+        }
+    });
 }
 
 #[inline(always)]

@@ -1,6 +1,6 @@
 //! Smallest and largest values, and what must hold for all.
 
-use super::{LANES, widest};
+use super::LANES;
 
 /// Smallest and largest value; `None` for no values.
 pub(crate) fn extent(values: &[f64]) -> Option<(f64, f64)> {
@@ -42,23 +42,20 @@ pub(crate) fn smallest_step(values: &[f64]) -> f64 {
 #[inline(always)]
 fn extent_of(left: &[f64], right: &[f64], of: impl Fn(f64, f64) -> (f64, f64)) -> Option<(f64, f64)> {
     let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
-    widest(
-        #[inline(always)]
-        || {
-            let (left, right) = (left.as_chunks::<LANES>(), right.as_chunks::<LANES>());
-            for (left, right) in left.0.iter().zip(right.0) {
-                for lane in 0..LANES {
-                    let (lower, upper) = of(left[lane], right[lane]);
-                    low[lane] = if lower < low[lane] { lower } else { low[lane] };
-                    high[lane] = if upper > high[lane] { upper } else { high[lane] };
-                }
+    widest!({
+        let (left, right) = (left.as_chunks::<LANES>(), right.as_chunks::<LANES>());
+        for (left, right) in left.0.iter().zip(right.0) {
+            for lane in 0..LANES {
+                let (lower, upper) = of(left[lane], right[lane]);
+                low[lane] = if lower < low[lane] { lower } else { low[lane] };
+                high[lane] = if upper > high[lane] { upper } else { high[lane] };
             }
-            for (left, right) in left.1.iter().zip(right.1) {
-                let (lower, upper) = of(*left, *right);
-                (low[0], high[0]) = (low[0].min(lower), high[0].max(upper));
-            }
-        },
-    );
+        }
+        for (left, right) in left.1.iter().zip(right.1) {
+            let (lower, upper) = of(*left, *right);
+            (low[0], high[0]) = (low[0].min(lower), high[0].max(upper));
+        }
+    });
     let low = low.into_iter().fold(f64::INFINITY, f64::min);
     let high = high.into_iter().fold(f64::NEG_INFINITY, f64::max);
     (low <= high).then_some((low, high))
@@ -66,16 +63,10 @@ fn extent_of(left: &[f64], right: &[f64], of: impl Fn(f64, f64) -> (f64, f64)) -
 
 /// Whether all values are numbers and none is infinite.
 pub(crate) fn all_finite(values: &[f64]) -> bool {
-    widest(
-        #[inline(always)]
-        || values.iter().fold(true, |all, value| all & value.is_finite()),
-    )
+    widest!(values.iter().fold(true, |all, value| all & value.is_finite()))
 }
 
 /// Whether every value lies above the one before.
 pub(crate) fn rises(values: &[f64]) -> bool {
-    widest(
-        #[inline(always)]
-        || values.iter().zip(values.iter().skip(1)).fold(true, |all, (before, after)| all & (before < after)),
-    )
+    widest!(values.iter().zip(values.iter().skip(1)).fold(true, |all, (before, after)| all & (before < after)))
 }

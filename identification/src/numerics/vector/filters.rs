@@ -1,6 +1,6 @@
 //! Filters and differences of neighbouring samples.
 
-use super::{dot_inline, widest};
+use super::dot_inline;
 
 /// Every `step`-th sample of a filtered signal: `output[i] = Σ taps[j] · input[i · step + j]`.
 ///
@@ -13,38 +13,35 @@ pub(crate) fn decimate(input: &[f64], taps: &[f64], step: usize, output: &mut [f
     let mut sorted = vec![0.0; if step == 1 { 0 } else { length * step }];
     let places: Vec<(usize, f64)> =
         taps.iter().enumerate().map(|(index, tap)| ((index % step) * length + index / step, *tap)).collect();
-    widest(
-        #[inline(always)]
-        || {
-            match step {
-                1 => {}
-                // The step of the widest band: known here, so that whole vectors are sorted at once.
-                4 => sort_by_phase::<4>(input, length, &mut sorted),
-                _ => {
-                    for (phase, sorted) in sorted.chunks_exact_mut(length).enumerate() {
-                        let values = input.iter().skip(phase).step_by(step);
-                        sorted.iter_mut().zip(values).for_each(|(slot, value)| *slot = *value);
-                    }
+    widest!({
+        match step {
+            1 => {}
+            // The step of the widest band: known here, so that whole vectors are sorted at once.
+            4 => sort_by_phase::<4>(input, length, &mut sorted),
+            _ => {
+                for (phase, sorted) in sorted.chunks_exact_mut(length).enumerate() {
+                    let values = input.iter().skip(phase).step_by(step);
+                    sorted.iter_mut().zip(values).for_each(|(slot, value)| *slot = *value);
                 }
             }
-            let phases = if step == 1 { input } else { &sorted };
-            let (blocks, rest) = output.as_chunks_mut::<OUTPUTS>();
-            for (block, start) in blocks.iter_mut().zip((0..).step_by(OUTPUTS)) {
-                let mut sums = [0.0; OUTPUTS];
-                for (place, tap) in &places {
-                    let place = place + start;
-                    for (sum, value) in sums.iter_mut().zip(&phases[place..place + OUTPUTS]) {
-                        *sum += tap * value;
-                    }
+        }
+        let phases = if step == 1 { input } else { &sorted };
+        let (blocks, rest) = output.as_chunks_mut::<OUTPUTS>();
+        for (block, start) in blocks.iter_mut().zip((0..).step_by(OUTPUTS)) {
+            let mut sums = [0.0; OUTPUTS];
+            for (place, tap) in &places {
+                let place = place + start;
+                for (sum, value) in sums.iter_mut().zip(&phases[place..place + OUTPUTS]) {
+                    *sum += tap * value;
                 }
-                *block = sums;
             }
-            let done = blocks.len() * OUTPUTS;
-            for (slot, window) in rest.iter_mut().zip(input.windows(taps.len()).step_by(step).skip(done)) {
-                *slot = dot_inline(window, taps);
-            }
-        },
-    );
+            *block = sums;
+        }
+        let done = blocks.len() * OUTPUTS;
+        for (slot, window) in rest.iter_mut().zip(input.windows(taps.len()).step_by(step).skip(done)) {
+            *slot = dot_inline(window, taps);
+        }
+    });
 }
 
 /// Values by their place modulo `STEP`, `length` of each.
@@ -64,16 +61,13 @@ fn sort_by_phase<const STEP: usize>(input: &[f64], length: usize, sorted: &mut [
 
 /// The adjoint of [`decimate`]: adds `kept[i] · taps[j]` to `output[i · step + j]`.
 pub(crate) fn spread(kept: &[f64], taps: &[f64], step: usize, output: &mut [f64]) {
-    widest(
-        #[inline(always)]
-        || {
-            for (index, value) in kept.iter().enumerate() {
-                for (slot, tap) in output[index * step..index * step + taps.len()].iter_mut().zip(taps) {
-                    *slot += value * tap;
-                }
+    widest!({
+        for (index, value) in kept.iter().enumerate() {
+            for (slot, tap) in output[index * step..index * step + taps.len()].iter_mut().zip(taps) {
+                *slot += value * tap;
             }
-        },
-    );
+        }
+    });
 }
 
 /// Differences across one to four samples on either side, weighted and summed; none for the four samples at each end.
@@ -83,26 +77,20 @@ pub(crate) fn differences(signal: &[f64], weights: [f64; 4], output: &mut [f64])
     let before: [&[f64]; 4] = [3, 2, 1, 0].map(|shift| &signal[shift..shift + count]);
     let after: [&[f64]; 4] = [5, 6, 7, 8].map(|shift| &signal[shift..shift + count]);
     let ([before_1, before_2, before_3, before_4], [after_1, after_2, after_3, after_4]) = (before, after);
-    widest(
-        #[inline(always)]
-        || {
-            let near = before_1.iter().zip(after_1).zip(before_2.iter().zip(after_2));
-            let far = before_3.iter().zip(after_3).zip(before_4.iter().zip(after_4));
-            for (slot, (near, far)) in output.iter_mut().zip(near.zip(far)) {
-                let near = a * (near.0.1 - near.0.0) + b * (near.1.1 - near.1.0);
-                *slot = near + c * (far.0.1 - far.0.0) + d * (far.1.1 - far.1.0);
-            }
-        },
-    );
+    widest!({
+        let near = before_1.iter().zip(after_1).zip(before_2.iter().zip(after_2));
+        let far = before_3.iter().zip(after_3).zip(before_4.iter().zip(after_4));
+        for (slot, (near, far)) in output.iter_mut().zip(near.zip(far)) {
+            let near = a * (near.0.1 - near.0.0) + b * (near.1.1 - near.1.0);
+            *slot = near + c * (far.0.1 - far.0.0) + d * (far.1.1 - far.1.0);
+        }
+    });
 }
 
 /// How many fourth differences lie below a limit.
 pub(crate) fn small_fourth_differences(signal: &[f64], limit: f64) -> usize {
-    widest(
-        #[inline(always)]
-        || {
-            let small = |w: &[f64; 5]| u64::from((w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs() < limit);
-            signal.array_windows().map(small).sum::<u64>() as usize
-        },
-    )
+    widest!({
+        let small = |w: &[f64; 5]| u64::from((w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs() < limit);
+        signal.array_windows().map(small).sum::<u64>() as usize
+    })
 }

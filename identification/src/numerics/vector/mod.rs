@@ -2,6 +2,18 @@
 //!
 //! Nothing is assumed of the processor: `pulp` looks once and picks among copies of each loop.
 
+/// Runs a loop in the copy of it that is compiled for the widest vectors.
+///
+/// All that it calls must be `#[inline(always)]`: what is not inlined is compiled for any processor.
+macro_rules! widest {
+    ($body:expr) => {
+        pulp::Arch::new().dispatch($crate::numerics::vector::Body(
+            #[inline(always)]
+            || $body,
+        ))
+    };
+}
+
 mod angles;
 mod checks;
 mod filters;
@@ -10,7 +22,7 @@ mod windows;
 use std::ops::Deref;
 
 use nalgebra::DMatrix;
-use pulp::{Arch, NullaryFnOnce};
+use pulp::NullaryFnOnce;
 
 pub(crate) use angles::{share_out, share_out_together, sines};
 pub(crate) use checks::{all_finite, extent, extent_where, rises, smallest_step};
@@ -21,14 +33,6 @@ pub(crate) use windows::{grouped_products, short_triangle};
 const BLOCK: usize = 512;
 /// Independent partial sums.
 const LANES: usize = 16;
-
-/// Runs a loop in the copy of it that is compiled for the widest vectors.
-///
-/// The loop and all that it calls must be `#[inline(always)]`: what is not inlined is compiled for any processor.
-#[inline(always)]
-fn widest<R>(body: impl FnMut() -> R) -> R {
-    Arch::new().dispatch(Body(body))
-}
 
 /// The body of a loop. Called as a plain `FnOnce` it would hide behind a function of the compiler's that is not inlined.
 struct Body<F>(F);
@@ -44,10 +48,7 @@ impl<R, F: FnMut() -> R> NullaryFnOnce for Body<F> {
 
 /// Inner product of two columns of one length.
 pub(crate) fn dot(left: &[f64], right: &[f64]) -> f64 {
-    widest(
-        #[inline(always)]
-        || dot_inline(left, right),
-    )
+    widest!(dot_inline(left, right))
 }
 
 #[inline(always)]
@@ -72,20 +73,17 @@ pub(crate) fn products<C: Deref<Target = [f64]>>(columns: &[C], from: usize, pro
         }
     }
     let rows = columns.first().map_or(0, |column| column.len());
-    widest(
-        #[inline(always)]
-        || {
-            for start in (0..rows).step_by(BLOCK) {
-                let block = start..(start + BLOCK).min(rows);
-                for row in from..columns.len() {
-                    for column in 0..=row {
-                        products[(row, column)] +=
-                            dot_inline(&columns[row][block.clone()], &columns[column][block.clone()]);
-                    }
+    widest!({
+        for start in (0..rows).step_by(BLOCK) {
+            let block = start..(start + BLOCK).min(rows);
+            for row in from..columns.len() {
+                for column in 0..=row {
+                    products[(row, column)] +=
+                        dot_inline(&columns[row][block.clone()], &columns[column][block.clone()]);
                 }
             }
-        },
-    );
+        }
+    });
     for row in from..columns.len() {
         for column in 0..row {
             products[(column, row)] = products[(row, column)];
@@ -109,106 +107,81 @@ pub(crate) fn residual<C: Deref<Target = [f64]>>(
 ) -> Vec<f64> {
     let mut products = vec![0.0; columns.len()];
     let rows = target.len();
-    widest(
-        #[inline(always)]
-        || {
-            for start in (0..rows).step_by(BLOCK) {
-                let block = start..(start + BLOCK).min(rows);
-                let left = &mut residual[block.clone()];
-                left.copy_from_slice(&target[block.clone()]);
-                for (column, coefficient) in columns.iter().zip(coefficients).filter(|(_, c)| **c != 0.0) {
-                    for (left, value) in left.iter_mut().zip(&column[block.clone()]) {
-                        *left -= coefficient * value;
-                    }
-                }
-                for (product, column) in products.iter_mut().zip(columns) {
-                    *product += dot_inline(left, &column[block.clone()]);
+    widest!({
+        for start in (0..rows).step_by(BLOCK) {
+            let block = start..(start + BLOCK).min(rows);
+            let left = &mut residual[block.clone()];
+            left.copy_from_slice(&target[block.clone()]);
+            for (column, coefficient) in columns.iter().zip(coefficients).filter(|(_, c)| **c != 0.0) {
+                for (left, value) in left.iter_mut().zip(&column[block.clone()]) {
+                    *left -= coefficient * value;
                 }
             }
-        },
-    );
+            for (product, column) in products.iter_mut().zip(columns) {
+                *product += dot_inline(left, &column[block.clone()]);
+            }
+        }
+    });
     products
 }
 
 /// Multiplies a column by another, row by row.
 pub(crate) fn multiply_by(column: &mut [f64], factor: &[f64]) {
-    widest(
-        #[inline(always)]
-        || column.iter_mut().zip(factor).for_each(|(value, factor)| *value *= factor),
-    );
+    widest!(column.iter_mut().zip(factor).for_each(|(value, factor)| *value *= factor));
 }
 
 /// Takes a multiple of another column off a column.
 pub(crate) fn subtract(column: &mut [f64], factor: f64, other: &[f64]) {
-    widest(
-        #[inline(always)]
-        || column.iter_mut().zip(other).for_each(|(value, other)| *value -= factor * other),
-    );
+    widest!(column.iter_mut().zip(other).for_each(|(value, other)| *value -= factor * other));
 }
 
 /// Sum of a column.
 pub(crate) fn sum(values: &[f64]) -> f64 {
-    widest(
-        #[inline(always)]
-        || {
-            let (chunks, rest) = values.as_chunks::<LANES>();
-            let mut sums = [0.0; LANES];
-            for chunk in chunks {
-                sums.iter_mut().zip(chunk).for_each(|(sum, value)| *sum += value);
-            }
-            sums.iter().sum::<f64>() + rest.iter().sum::<f64>()
-        },
-    )
-}
-
-/// Row by row product of two columns.
-pub(crate) fn multiply(left: &[f64], right: &[f64]) -> Vec<f64> {
-    left.iter().zip(right).map(|(left, right)| left * right).collect()
+    widest!({
+        let (chunks, rest) = values.as_chunks::<LANES>();
+        let mut sums = [0.0; LANES];
+        for chunk in chunks {
+            sums.iter_mut().zip(chunk).for_each(|(sum, value)| *sum += value);
+        }
+        sums.iter().sum::<f64>() + rest.iter().sum::<f64>()
+    })
 }
 
 /// `xᵀ·matrix·x` for the symmetric `matrix` and every row x of the columns.
 pub(crate) fn quadratic_form<C: Deref<Target = [f64]>>(columns: &[C], matrix: &DMatrix<f64>, output: &mut [f64]) {
     let rows = output.len();
     output.fill(0.0);
-    widest(
-        #[inline(always)]
-        || {
-            let mut inner = [0.0; BLOCK];
-            for start in (0..rows).step_by(BLOCK) {
-                let block = start..(start + BLOCK).min(rows);
-                let inner = &mut inner[..block.len()];
-                for (index, column) in columns.iter().enumerate() {
-                    inner.fill(0.0);
-                    for (other, right) in columns[..=index].iter().enumerate() {
-                        let factor = if other == index { 1.0 } else { 2.0 } * matrix[(index, other)];
-                        for (sum, value) in inner.iter_mut().zip(&right[block.clone()]) {
-                            *sum += factor * value;
-                        }
-                    }
-                    for ((slot, sum), value) in
-                        output[block.clone()].iter_mut().zip(&*inner).zip(&column[block.clone()])
-                    {
-                        *slot += sum * value;
+    widest!({
+        let mut inner = [0.0; BLOCK];
+        for start in (0..rows).step_by(BLOCK) {
+            let block = start..(start + BLOCK).min(rows);
+            let inner = &mut inner[..block.len()];
+            for (index, column) in columns.iter().enumerate() {
+                inner.fill(0.0);
+                for (other, right) in columns[..=index].iter().enumerate() {
+                    let factor = if other == index { 1.0 } else { 2.0 } * matrix[(index, other)];
+                    for (sum, value) in inner.iter_mut().zip(&right[block.clone()]) {
+                        *sum += factor * value;
                     }
                 }
+                for ((slot, sum), value) in output[block.clone()].iter_mut().zip(&*inner).zip(&column[block.clone()]) {
+                    *slot += sum * value;
+                }
             }
-        },
-    );
+        }
+    });
 }
 
 /// Columns of Coulomb and viscous friction, of the negative and the positive direction each, as the effect defines them.
 pub(crate) fn friction(velocity: &[f64], [coulomb_negative, coulomb_positive, negative, positive]: [&mut [f64]; 4]) {
-    widest(
-        #[inline(always)]
-        || {
-            let coulomb = coulomb_negative.iter_mut().zip(coulomb_positive.iter_mut());
-            let viscous = negative.iter_mut().zip(positive.iter_mut());
-            for ((velocity, coulomb), viscous) in velocity.iter().zip(coulomb).zip(viscous) {
-                *coulomb.0 = if *velocity < 0.0 { -1.0 } else { 0.0 };
-                *coulomb.1 = if *velocity > 0.0 { 1.0 } else { 0.0 };
-                *viscous.0 = if *velocity < 0.0 { *velocity } else { 0.0 };
-                *viscous.1 = if *velocity > 0.0 { *velocity } else { 0.0 };
-            }
-        },
-    );
+    widest!({
+        let coulomb = coulomb_negative.iter_mut().zip(coulomb_positive.iter_mut());
+        let viscous = negative.iter_mut().zip(positive.iter_mut());
+        for ((velocity, coulomb), viscous) in velocity.iter().zip(coulomb).zip(viscous) {
+            *coulomb.0 = if *velocity < 0.0 { -1.0 } else { 0.0 };
+            *coulomb.1 = if *velocity > 0.0 { 1.0 } else { 0.0 };
+            *viscous.0 = if *velocity < 0.0 { *velocity } else { 0.0 };
+            *viscous.1 = if *velocity > 0.0 { *velocity } else { 0.0 };
+        }
+    });
 }

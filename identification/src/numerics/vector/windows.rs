@@ -1,7 +1,5 @@
 //! Columns' inner products within short stretches.
 
-use super::widest;
-
 /// Groups that are summed side by side: their sums stay in registers, and the rows of a dozen columns in the first-level
 /// cache.
 const SIDE_BY_SIDE: usize = 32;
@@ -14,29 +12,26 @@ pub(crate) fn grouped_products(columns: &[&[f64]], group: usize) -> Vec<Vec<f64>
     let groups = rows.div_ceil(group);
     let mut sorted = vec![[0.0; SIDE_BY_SIDE]; columns.len() * group];
     let mut products = vec![vec![0.0; groups]; columns.len() * (columns.len() + 1) / 2];
-    widest(
-        #[inline(always)]
-        || {
-            for start in (0..groups).step_by(SIDE_BY_SIDE) {
-                let block = start * group..((start + SIDE_BY_SIDE) * group).min(rows);
-                for (column, sorted) in columns.iter().zip(sorted.chunks_exact_mut(group)) {
-                    sort(&column[block.clone()], group, sorted);
-                }
-                let mut pairs = products.iter_mut();
-                for (row, left) in sorted.chunks_exact(group).enumerate() {
-                    for (right, products) in sorted.chunks_exact(group).take(row + 1).zip(&mut pairs) {
-                        let mut sums = [0.0; SIDE_BY_SIDE];
-                        for (left, right) in left.iter().zip(right) {
-                            for place in 0..SIDE_BY_SIDE {
-                                sums[place] += left[place] * right[place];
-                            }
+    widest!({
+        for start in (0..groups).step_by(SIDE_BY_SIDE) {
+            let block = start * group..((start + SIDE_BY_SIDE) * group).min(rows);
+            for (column, sorted) in columns.iter().zip(sorted.chunks_exact_mut(group)) {
+                sort(&column[block.clone()], group, sorted);
+            }
+            let mut pairs = products.iter_mut();
+            for (row, left) in sorted.chunks_exact(group).enumerate() {
+                for (right, products) in sorted.chunks_exact(group).take(row + 1).zip(&mut pairs) {
+                    let mut sums = [0.0; SIDE_BY_SIDE];
+                    for (left, right) in left.iter().zip(right) {
+                        for place in 0..SIDE_BY_SIDE {
+                            sums[place] += left[place] * right[place];
                         }
-                        products[start..].iter_mut().zip(&sums).for_each(|(slot, sum)| *slot = *sum);
                     }
+                    products[start..].iter_mut().zip(&sums).for_each(|(slot, sum)| *slot = *sum);
                 }
             }
-        },
-    );
+        }
+    });
     products
 }
 
@@ -53,18 +48,15 @@ fn sort(values: &[f64], group: usize, sorted: &mut [[f64; SIDE_BY_SIDE]]) {
 
 /// Sums of `width` neighbours, and of those sums again, at every place that any of the values reaches.
 ///
-/// Value by value: for windows of a few neighbours.
+/// Value by value: for windows of a few neighbours, without the rounding of running sums.
 pub(crate) fn short_triangle(values: &[f64], width: usize) -> Vec<f64> {
     let reach = width - 1;
     let mut boxes = vec![0.0; values.len() + reach];
     let mut triangles = vec![0.0; values.len() + 2 * reach];
-    widest(
-        #[inline(always)]
-        || {
-            add_shifted(values, width, &mut boxes);
-            add_shifted(&boxes, width, &mut triangles);
-        },
-    );
+    widest!({
+        add_shifted(values, width, &mut boxes);
+        add_shifted(&boxes, width, &mut triangles);
+    });
     triangles
 }
 

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::extended;
 use crate::numerics::vector;
 
 /// A low-pass with an odd, symmetric impulse response of unit gain at zero frequency.
@@ -43,10 +44,9 @@ impl Fir {
     }
 
     /// `window` is a function of the place between −1 and 1.
-    #[allow(clippy::cast_precision_loss, reason = "taps are few")]
     fn windowed_sinc(half_length: usize, edge_hz: f64, rate_hz: f64, window: impl Fn(f64) -> f64) -> Self {
         let width = 2.0 * edge_hz / rate_hz;
-        let mut taps: Vec<f64> = (0..=2 * half_length)
+        let taps: Vec<f64> = (0..=2 * half_length)
             .map(|index| {
                 let offset = index as f64 - half_length as f64;
                 let angle = PI * width * offset;
@@ -54,9 +54,7 @@ impl Fir {
                 sinc * window(offset / half_length.max(1) as f64)
             })
             .collect();
-        let sum: f64 = taps.iter().sum();
-        taps.iter_mut().for_each(|tap| *tap /= sum);
-        Self { taps }
+        Self::of_taps(&taps)
     }
 
     /// The impulse response.
@@ -74,22 +72,12 @@ impl Fir {
     /// Filters without delay; the ends are extended by point reflection.
     #[must_use]
     pub fn filter(&self, input: &[f64]) -> Vec<f64> {
-        let (Some(first), Some(last)) = (input.first(), input.last()) else {
+        if input.is_empty() {
             return Vec::new();
-        };
-        let half = self.half_length();
-        let pad = half.min(input.len() - 1);
-        let before = input[1..=pad].iter().rev().map(|value| 2.0 * first - value);
-        let after = input[input.len() - 1 - pad..input.len() - 1].iter().rev().map(|value| 2.0 * last - value);
-        let extended: Vec<f64> = before.chain(input.iter().copied()).chain(after).collect();
-        let mut output = vec![0.0; input.len()];
-        if pad == half {
-            vector::decimate(&extended, &self.taps, 1, &mut output);
-        } else {
-            for (slot, centre) in output.iter_mut().zip(pad..) {
-                *slot = self.at(&extended, centre);
-            }
         }
+        let pad = self.half_length().min(input.len() - 1);
+        let mut output = vec![0.0; input.len()];
+        self.decimate_part(&extended(input, pad), pad, 1, &mut output);
         output
     }
 

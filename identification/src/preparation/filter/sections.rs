@@ -2,6 +2,8 @@
 
 use nalgebra::Complex;
 
+use super::extended;
+
 /// Roots closer than this to the real axis count as real.
 const REAL: f64 = 1e-12;
 
@@ -9,12 +11,6 @@ const REAL: f64 = 1e-12;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sections {
     sections: Vec<[f64; 6]>,
-}
-
-/// The memory of a [`Sections`] filter that runs sample by sample.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SectionState {
-    memory: Vec<[f64; 2]>,
 }
 
 impl Sections {
@@ -46,41 +42,27 @@ impl Sections {
         Self { sections }
     }
 
-    /// Memory of a filter that has seen the constant `value` for ever.
+    /// Filters causally, with the memory of a filter that has seen the constant `settled_at` for ever.
     #[must_use]
-    pub fn settled_at(&self, value: f64) -> SectionState {
-        let mut level = value;
-        let memory = self
-            .sections
-            .iter()
-            .map(|[b0, b1, b2, _, a1, a2]| {
-                let out = level * (b0 + b1 + b2) / (1.0 + a1 + a2);
-                let second = b2 * level - a2 * out;
-                let first = b1 * level - a1 * out + second;
-                level = out;
-                [first, second]
+    pub fn filter(&self, input: &[f64], settled_at: f64) -> Vec<f64> {
+        let mut level = settled_at;
+        let settled = |[b0, b1, b2, _, a1, a2]: &[f64; 6]| {
+            let out = level * (b0 + b1 + b2) / (1.0 + a1 + a2);
+            let second = b2 * level - a2 * out;
+            let first = b1 * level - a1 * out + second;
+            level = out;
+            [first, second]
+        };
+        let mut memory: Vec<[f64; 2]> = self.sections.iter().map(settled).collect();
+        let step = |input: &f64| {
+            self.sections.iter().zip(&mut memory).fold(*input, |value, ([b0, b1, b2, _, a1, a2], [first, second])| {
+                let out = b0 * value + *first;
+                *first = b1 * value - a1 * out + *second;
+                *second = b2 * value - a2 * out;
+                out
             })
-            .collect();
-        SectionState { memory }
-    }
-
-    /// Filters one sample causally.
-    pub fn step(&self, state: &mut SectionState, input: f64) -> f64 {
-        let mut value = input;
-        for ([b0, b1, b2, _, a1, a2], [first, second]) in self.sections.iter().zip(&mut state.memory) {
-            let out = b0 * value + *first;
-            *first = b1 * value - a1 * out + *second;
-            *second = b2 * value - a2 * out;
-            value = out;
-        }
-        value
-    }
-
-    /// Filters causally, from rest at zero.
-    #[must_use]
-    pub fn filter(&self, input: &[f64]) -> Vec<f64> {
-        let mut state = self.settled_at(0.0);
-        input.iter().map(|value| self.step(&mut state, *value)).collect()
+        };
+        input.iter().map(step).collect()
     }
 
     /// Filters forwards and backwards: no phase shift, the squared gain.
@@ -88,18 +70,13 @@ impl Sections {
     /// The ends are extended by point reflection, as `scipy.signal.sosfiltfilt` does by default.
     #[must_use]
     pub fn filter_zero_phase(&self, input: &[f64]) -> Vec<f64> {
-        let (Some(first), Some(last)) = (input.first(), input.last()) else {
+        if input.is_empty() {
             return Vec::new();
-        };
+        }
         let pad = self.pad_length().min(input.len() - 1);
-        let before = input[1..=pad].iter().rev().map(|value| 2.0 * first - value);
-        let after = input[input.len() - 1 - pad..input.len() - 1].iter().rev().map(|value| 2.0 * last - value);
-        let mut extended: Vec<f64> = before.chain(input.iter().copied()).chain(after).collect();
+        let mut extended = extended(input, pad);
         for _ in 0..2 {
-            let mut state = self.settled_at(extended[0]);
-            for value in &mut extended {
-                *value = self.step(&mut state, *value);
-            }
+            extended = self.filter(&extended, extended[0]);
             extended.reverse();
         }
         extended[pad..pad + input.len()].to_vec()

@@ -14,22 +14,13 @@ const DECADES: std::ops::RangeInclusive<i32> = -12..=12;
 /// A lag below this share of a sample period is none.
 const NO_LAG: f64 = 0.01;
 
-/// Angle, velocity and acceleration at every grid point.
-pub(crate) struct Trajectory {
-    pub(crate) angle_rad: Vec<f64>,
-    pub(crate) velocity_rad_s: Vec<f64>,
-    pub(crate) acceleration_rad_s2: Vec<f64>,
-}
-
-/// Smooths what both sensors gave over the whole capture.
-pub(crate) fn kalman_smoother(sensors: &Sensors<'_>) -> Trajectory {
+/// Smooths what both sensors gave over the whole capture: angle, velocity and acceleration at every grid point.
+pub(crate) fn kalman_smoother(sensors: &Sensors<'_>) -> [Vec<f64>; 3] {
     let filter = likeliest(sensors);
     let mut steps = Vec::with_capacity(sensors.angle_rad.len());
     filter.run(sensors, sensors.angle_rad.len(), &mut steps);
     let mut states = vec![Vector4::zeros(); steps.len()];
-    let Some(last) = steps.last() else {
-        return Trajectory { angle_rad: Vec::new(), velocity_rad_s: Vec::new(), acceleration_rad_s2: Vec::new() };
-    };
+    let Some(last) = steps.last() else { return Default::default() };
     let mut state = last.filtered;
     states[steps.len() - 1] = state;
     for index in (0..steps.len() - 1).rev() {
@@ -42,12 +33,8 @@ pub(crate) fn kalman_smoother(sensors: &Sensors<'_>) -> Trajectory {
         states[index] = state;
     }
     let period_s = 1.0 / sensors.rate_hz;
-    let column = |at: usize, scale: f64| states.iter().map(|state| state[at] / scale).collect();
-    Trajectory {
-        angle_rad: column(0, 1.0),
-        velocity_rad_s: column(1, period_s),
-        acceleration_rad_s2: column(2, period_s * period_s),
-    }
+    let column = |(at, scale): (usize, f64)| states.iter().map(|state| state[at] / scale).collect();
+    [(0, 1.0), (1, period_s), (2, period_s * period_s)].map(column)
 }
 
 /// The filter in units of the sample period: states θ, T·θ̇, T²·θ̈ and T² times the accelerometer's output, all in rad.

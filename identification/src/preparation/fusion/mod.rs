@@ -10,16 +10,14 @@
 //! That is the stationary fixed-interval Kalman smoother of a motion of which nothing is known beforehand
 //! ([`blend`]). [`kalman_smoother`] is the same smoother in its recursive form, with a prior: white jerk.
 
-mod blend;
 mod kalman_smoother;
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, SQRT_2, TAU};
 
 use crate::preparation::motion::{gradient, low_pass, prompt};
 use crate::preparation::spectrum::{Spectrum, white_density};
-use crate::uncertainty::statistics::{mean, median, rms};
+use crate::uncertainty::statistics::{mean, rms};
 
-pub(crate) use blend::blend;
 pub(crate) use kalman_smoother::kalman_smoother;
 
 /// Largest disagreement of both sensors, relative, where both see well.
@@ -27,6 +25,9 @@ const DISAGREEMENT: f64 = 0.1;
 
 /// The encoder's noise is read from this multiple of the frequency at which both are equally noisy.
 const CLEAR_OF_SENSOR: f64 = 1.5;
+
+/// Samples around a gap at which the encoder's second derivative is that of the bridge.
+const NEAR_GAP: usize = 8;
 
 /// What both sensors gave, on an even grid.
 pub(crate) struct Sensors<'a> {
@@ -43,11 +44,11 @@ pub(crate) struct Sensors<'a> {
     lag_s: f64,
     rate_hz: f64,
     /// White density of the encoder's noise, rad²/Hz.
-    angle_density: f64,
+    pub(crate) angle_density: f64,
     /// White density of the accelerometer's noise, rad²/s⁴ per Hz.
-    sensor_density: f64,
+    pub(crate) sensor_density: f64,
     /// Frequency at which both sensors are equally noisy, Hz.
-    equal_hz: f64,
+    pub(crate) equal_hz: f64,
 }
 
 impl<'a> Sensors<'a> {
@@ -89,17 +90,11 @@ impl<'a> Sensors<'a> {
     fn with_density_in_band(mut self, cutoff_hz: f64) -> Self {
         let difference: Vec<f64> =
             self.prompt_rad_s2.iter().zip(&self.second_derivative_rad_s2).map(|(a, b)| a - b).collect();
-        let spectrum = Spectrum::welch(&difference, self.rate_hz);
-        let mut densities: Vec<f64> = spectrum
-            .frequencies()
-            .zip(&spectrum.density)
-            .filter(|(frequency, _)| (CLEAR_OF_SENSOR * self.equal_hz..=cutoff_hz).contains(frequency))
-            .map(|(frequency, density)| {
-                let square = (TAU * frequency).powi(2);
-                (density - self.sensor_density * (1.0 + square * self.lag_s.powi(2))) / (square * square)
-            })
-            .collect();
-        let density = median(&mut densities);
+        let turns = CLEAR_OF_SENSOR * self.equal_hz..=cutoff_hz;
+        let density = Spectrum::welch(&difference, self.rate_hz).median_of(turns, |frequency_hz, density| {
+            let square = (TAU * frequency_hz).powi(2);
+            (density - self.sensor_density * (1.0 + square * self.lag_s.powi(2))) / (square * square)
+        });
         if density > 0.0 {
             self.angle_density = density;
             self.equal_hz = (self.sensor_density / density).powf(0.25) / TAU;
@@ -119,23 +114,64 @@ impl<'a> Sensors<'a> {
         }
         rms(&encoder) > 0.0 && (product / square - 1.0).abs() <= DISAGREEMENT
     }
+}
 
-    pub(crate) fn sensor_density(&self) -> f64 {
-        self.sensor_density
+/// The fused angle, of which velocity and acceleration are the derivatives, rad.
+///
+/// With d the accelerometer's reading less the encoder's second derivative, the acceleration θ̈ + (1 − W)·d is that of
+/// the angle θ + K·d with K = (1 − W)/s² = −G(s)·G(−s), G(s) = s/(s² + √2·ω₀·s + ω₀²): a band-pass run forwards and
+/// backwards. As only the sensors' disagreement is filtered, a motion on which they agree passes unchanged.
+pub(crate) fn blend(sensors: &Sensors<'_>) -> Vec<f64> {
+    let mut correction: Vec<f64> = sensors
+        .prompt_rad_s2
+        .iter()
+        .zip(&sensors.second_derivative_rad_s2)
+        .map(|(sensor, encoder)| sensor - encoder)
+        .collect();
+    without_gaps(&mut correction, sensors.present);
+    for _ in 0..2 {
+        band_pass(&mut correction, sensors.equal_hz, sensors.rate_hz);
+        correction.reverse();
     }
+    // Run both ways the band-pass gives G(s)·G(−s), which is −K.
+    sensors.angle_rad.iter().zip(&correction).map(|(angle, more)| angle - more).collect()
+}
 
-    pub(crate) fn angle_density(&self) -> f64 {
-        self.angle_density
+fn without_gaps(signal: &mut [f64], present: &[bool]) {
+    let last = signal.len().saturating_sub(1);
+    let mut from = 0;
+    for index in (0..present.len()).filter(|index| !present[*index]) {
+        let (start, end) = (index.saturating_sub(NEAR_GAP).max(from), (index + NEAR_GAP).min(last));
+        if start <= end {
+            signal[start..=end].fill(0.0);
+        }
+        from = end;
     }
+}
 
-    pub(crate) fn equal_hz(&self) -> f64 {
-        self.equal_hz
+/// Filters in place, from rest, by s/(s² + √2·ω₀·s + ω₀²) in its bilinear transform, true at ω₀.
+fn band_pass(signal: &mut [f64], centre_hz: f64, rate_hz: f64) {
+    let scale = 2.0 * rate_hz;
+    let centre = scale * (PI * centre_hz / rate_hz).tan();
+    let (square, middle, last) = (scale * scale, SQRT_2 * centre * scale, centre * centre);
+    let first = square + middle + last;
+    let (gain, a1, a2) = (scale / first, 2.0 * (last - square) / first, (square - middle + last) / first);
+    let (mut in1, mut in2, mut out1, mut out2) = (0.0, 0.0, 0.0, 0.0);
+    for value in signal {
+        let out = gain * (*value - in2) - a1 * out1 - a2 * out2;
+        (in2, in1) = (in1, *value);
+        (out2, out1) = (out1, out);
+        *value = out;
     }
 }
 
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
+
+    use rand_distr::{Distribution as _, StandardUniform};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+    use rand_xoshiro::rand_core::SeedableRng as _;
 
     use super::{Sensors, blend, kalman_smoother};
     use crate::preparation::motion::{gradient, low_pass};
@@ -147,13 +183,8 @@ mod tests {
 
     /// Angle and acceleration of a motion between 1 and 30 Hz, true and as the sensors see it.
     fn motion(seed: u64) -> [Vec<f64>; 4] {
-        let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-        let mut uniform = move || {
-            state ^= state >> 12;
-            state ^= state << 25;
-            state ^= state >> 27;
-            f64::from(u32::try_from(state.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 32).unwrap_or(0)) / 4_294_967_296.0
-        };
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let mut uniform = move || -> f64 { StandardUniform.sample(&mut random) };
         let tones: Vec<(f64, f64, f64)> =
             (0..30).map(|n| (1.0 + f64::from(n) + uniform(), TAU * uniform(), 40.0)).collect();
         let (mut angle, mut acceleration) = (Vec::new(), Vec::new());
@@ -184,7 +215,7 @@ mod tests {
             let sensors = Sensors::of(&encoder, &encoder, &sensor, &present, 0.0, RATE_HZ, 300.0).expect("they agree");
             let twice = |angle: &[f64]| gradient(&gradient(angle, RATE_HZ), RATE_HZ);
             blended += error(&twice(&blend(&sensors)), &truth);
-            smoothed += error(&kalman_smoother(&sensors).acceleration_rad_s2, &truth);
+            smoothed += error(&kalman_smoother(&sensors)[2], &truth);
             encoder_alone += error(&twice(&encoder), &truth);
             sensor_alone += error(&sensor, &truth);
         }

@@ -110,7 +110,7 @@ impl Channel {
             self.signals(loaded, excitation).iter().map(|[_, original, measured]| original - measured).collect();
         // Third-order Chebyshev II, 20 dB, forwards and backwards (section 4.2).
         let filtered = chebyshev2_low_pass(3, 20.0, self.filter_edge_hz(), loaded.capture.rate_hz)
-            .map_or_else(|_| differences.clone(), |filter| filter.filter_zero_phase(&differences));
+            .map_or_else(|| differences.clone(), |filter| filter.filter_zero_phase(&differences));
         let axis = loaded.capture.axis;
         let channel = self.name(axis);
         let (unit, paper_mean, paper_sd) = self.paper(axis);
