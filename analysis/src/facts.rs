@@ -29,7 +29,6 @@ pub fn fit_page(loaded: &LoadedCapture, fit: &Fit) -> (String, FigureNumbers) {
 }
 
 /// What a report page says of the capture besides the fit.
-#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
 #[must_use]
 pub fn facts(loaded: &LoadedCapture) -> CaptureFacts {
     let capture = &loaded.capture;

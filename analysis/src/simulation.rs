@@ -148,7 +148,6 @@ fn described(simulated: Simulated, like: &LoadedCapture, model: &Model) -> Captu
     capture.of_knob()
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
 fn rms_difference(left: &[f64], right: &[f64]) -> f64 {
     let sum: f64 = left.iter().zip(right).map(|(left, right)| (left - right).powi(2)).sum();
     (sum / left.len().max(1) as f64).sqrt()

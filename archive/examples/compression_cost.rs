@@ -3,7 +3,7 @@
 //! Writes ten minutes of a 10 kHz run (a slow sweep, detents, sensor noise and quantised sensors as
 //! a rig has them) through [`CaptureWriter`], a chunk every 400 ms, to memory.
 
-#![allow(clippy::print_stdout, clippy::cast_precision_loss, reason = "a measurement prints its figures")]
+#![allow(clippy::print_stdout, reason = "a measurement prints its figures")]
 
 use std::io::{Cursor, Seek, SeekFrom, Write};
 

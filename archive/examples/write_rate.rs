@@ -5,7 +5,7 @@
 //! size with their CRC. Ours is [`CaptureWriter`] with as many samples of 112 bytes. Both go to a file in the folder that
 //! is given; the time ends when the operating system has every byte. Prints one JSON object, messages per second.
 
-#![allow(clippy::print_stdout, clippy::cast_precision_loss, reason = "a measurement prints its figures")]
+#![allow(clippy::print_stdout, reason = "a measurement prints its figures")]
 
 use std::fs::File;
 use std::io::{BufWriter, Write as _};

@@ -104,7 +104,6 @@ impl Capture {
 
     /// A capture of evenly spaced samples from tick 0 on.
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
     pub fn from_columns(rate_hz: f64, angle_rad: Vec<f64>, torque_mnm: Vec<f64>) -> Self {
         let tick: Vec<u64> = (0..angle_rad.len() as u64).collect();
         let t_s = tick.iter().map(|&tick| tick as f64 / rate_hz).collect();
@@ -257,12 +256,6 @@ impl Capture {
         RunDescription { rate_hz: self.rate_hz, axis: self.axis, ..self.description.clone().unwrap_or_else(unknown) }
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a run's nanoseconds fit both types"
-    )]
     fn sample(&self, row: usize, run: &RunDescription) -> Sample {
         let since_start_ns = (self.tick[row] as f64 * 1e9 / self.rate_hz).round() as u64;
         let monotonic_time_ns = run.clock.monotonic_time_ns.saturating_add(since_start_ns);
@@ -296,7 +289,6 @@ fn media_type(name: &str) -> &'static str {
 
 /// Refuses a file for which the machine has not enough memory.
 pub(crate) fn refuse_too_large(path: &Path) -> Result<(), ArchiveError> {
-    #[allow(clippy::cast_precision_loss, reason = "a number of bytes for display")]
     let length = std::fs::metadata(path).map_err(|error| ArchiveError::file(path, error))?.len() as f64;
     match memory::available() {
         Some(available) if length * memory::OF_FILE > available => {

@@ -167,7 +167,6 @@ impl Values<'_> {
     }
 
     /// The last value.
-    #[allow(clippy::cast_precision_loss, reason = "counts stay far below 2^53")]
     pub(crate) fn last(&self) -> Option<f64> {
         match self {
             Self::Counts(values) => values.last().map(|count| *count as f64),

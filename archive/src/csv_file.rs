@@ -75,11 +75,6 @@ fn rate_hz(t_s: &[f64]) -> f64 {
     if (rate - round).abs() < 1e-5 * round { round } else { rate }
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a negative or absurd time saturates, and validation has its word"
-)]
 fn ticks(t_s: &[f64], rate_hz: f64) -> Vec<u64> {
     // A table may begin before its zero of time; ticks cannot.
     let start = t_s.first().map_or(0.0, |&first| first.min(0.0));

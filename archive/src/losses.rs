@@ -13,7 +13,6 @@ pub struct Place {
 
 impl Place {
     /// Time in the run, or the tick where the rate is not known.
-    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
     pub(crate) fn in_words(self, rate_hz: Option<f64>) -> String {
         match (self.tick, rate_hz) {
             (Some(tick), Some(rate_hz)) => format!("{:.4} s", tick as f64 / rate_hz),

@@ -197,7 +197,6 @@ impl<'a> Content<'a> {
             ..Capture::default()
         };
         rows.store_into(&mut capture);
-        #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
         let due_s = |tick: &u64| *tick as f64 / rate_hz;
         capture.t_s = capture.tick.iter().map(due_s).collect();
         capture.measured_after_s = capture.measured_after_s.filter(|after| after.iter().any(|after_s| *after_s != 0.0));

@@ -130,7 +130,6 @@ impl Content {
         Ok(())
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
     fn into_overview(self, path: &Path) -> Result<Overview, ArchiveError> {
         if self.channels.is_empty() {
             return Err(ArchiveError::NoSamples { path: path.to_owned() });

@@ -115,14 +115,12 @@ pub(crate) struct Account {
 
 impl Account {
     /// Takes in the body of a sample.
-    #[allow(clippy::cast_precision_loss, reason = "a run's ticks and nanoseconds stay far below 2^53")]
     pub(crate) fn take(&mut self, fields: &AccountFields, body: &[u8]) {
         let whole = |field: &Option<FieldLayout>| field.as_ref().and_then(|field| field.as_u64(body));
         if whole(&fields.state) == Some(u64::from(LoopState::Fault.code())) {
             return;
         }
         if whole(&fields.flags).is_some_and(|flags| flags & u64::from(Sample::STALE) != 0) {
-            #[allow(clippy::cast_possible_truncation, reason = "a field of 32 bits")]
             let code = whole(&fields.device_code).map_or(0, |bits| (bits as u32).cast_signed());
             *self.stale_samples.entry(code).or_default() += 1;
             return;

@@ -123,7 +123,6 @@ impl FieldLayout {
     ///
     /// `body` begins after the CDR header and is little-endian.
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "integers in a column of real numbers are counts and times")]
     pub fn as_f64(&self, body: &[u8]) -> Option<f64> {
         let bytes = body.get(self.offset..)?;
         Some(match self.primitive {

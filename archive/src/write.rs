@@ -113,7 +113,6 @@ impl<W: Write + Seek> CaptureWriter<W> {
             return Ok(false);
         }
         // The message's own number has 32 bits; `seq` in the body has all 64.
-        #[allow(clippy::cast_possible_truncation, reason = "the low half is what the format has room for")]
         self.message(0, sample.seq as u32, sample.monotonic_time_ns, sample)?;
         Ok(true)
     }

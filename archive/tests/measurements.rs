@@ -98,7 +98,6 @@ fn unsorted(samples: u32) -> Mf4Writer {
     file.add_group(&times[..20]).unwrap().add_channel("Temp", "degC", &angle[..20]).unwrap();
     let group = file.add_group_in(0, &times).unwrap();
     group.add_channel("Winkel", "deg", &angle).unwrap();
-    #[allow(clippy::cast_possible_truncation, reason = "a channel of 32-bit numbers is wanted")]
     let torque = torque.iter().map(|torque| *torque as f32).collect();
     group.add_channel_typed("Moment", "N·cm", SignalValues::F32(torque)).unwrap();
     file

@@ -1,6 +1,6 @@
 //! What goes into an archive comes out of it.
 
-#![allow(clippy::unwrap_used, clippy::cast_precision_loss, reason = "tests")]
+#![allow(clippy::unwrap_used, reason = "tests")]
 
 mod common;
 

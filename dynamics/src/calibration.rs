@@ -163,7 +163,6 @@ impl Calibration {
         let stiffness = self.torque_sensor_stiffness_mnm_rad;
         let inertia = self.motor_inertia;
         let cogging = self.motor_cogging.as_deref().unwrap_or_default();
-        #[allow(clippy::cast_precision_loss, reason = "a number of harmonics")]
         let harmonics = cogging.len() as f64;
         let checks = [
             ("motor_inertia", inertia, (1e-9..=LARGEST).contains(&inertia), "at least 1e-9, and at most 1e9"),

@@ -89,7 +89,6 @@ pub struct Search {
 impl Search {
     /// Values to try over so many widths of a spectral peak: three to a width.
     #[must_use]
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of starts")]
     pub fn starts_over(widths: f64) -> usize {
         (3.0 * widths).ceil().clamp(1.0, 4000.0) as usize
     }
@@ -101,7 +100,6 @@ impl Search {
             return Vec::new();
         };
         let count = (self.starts)(scene).max(1);
-        #[allow(clippy::cast_precision_loss, reason = "a number of starts")]
         let share = |index: usize| (index as f64 + 0.5) / count as f64;
         let at = |share: f64| {
             if self.logarithmic { least * (largest / least).powf(share) } else { least + (largest - least) * share }

@@ -6,8 +6,10 @@ use crate::{Bristles, Coupling, Direction, Model, Motion, StickLimits};
 
 /// Substeps per sample, at least.
 const SUBSTEPS: f64 = 2.0;
-/// Largest phase that the coupling's resonance may turn in one substep, rad.
+/// Largest phase that the coupling's resonance may turn in one substep, rad …
 const PHASE: f64 = 0.25;
+/// … and where only motion far below it counts.
+const SLOW_PHASE: f64 = 1.0;
 
 /// The inner body of a knob whose cap moves as it was measured.
 ///
@@ -26,9 +28,21 @@ pub struct InnerBody<'model> {
     cap_inertia: f64,
     /// Angular frequency of the body on the coupling, rad/s.
     resonance_rad_s: f64,
+    /// Largest phase that it may turn in one substep, rad.
+    largest_phase_rad: f64,
     angle_rad: f64,
     velocity_rad_s: f64,
     deflection: f64,
+}
+
+/// How finely an inner body is simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resolution {
+    /// From motion to motion, its resonance resolved.
+    Full,
+    /// For motion far below the resonance, which is hardly resolved (the implicit rule stays stable): so many motions on at once, between which
+    /// the torque on the cap goes straight.
+    Slow(usize),
 }
 
 /// What acts on the body over a sample.
@@ -80,10 +94,16 @@ impl<'model> InnerBody<'model> {
             inertia,
             cap_inertia: (1.0 - coupling.inner_share) * knob.inertia(),
             resonance_rad_s: (coupling.stiffness_mnm_rad / inertia).sqrt(),
+            largest_phase_rad: PHASE,
             angle_rad,
             velocity_rad_s: 0.0,
             deflection: 0.0,
         }
+    }
+
+    pub(crate) fn at_resolution(self, resolution: Resolution) -> Self {
+        let largest_phase_rad = if resolution == Resolution::Full { PHASE } else { SLOW_PHASE };
+        Self { largest_phase_rad, ..self }
     }
 
     /// Torque on the cap now, mNm.
@@ -92,9 +112,9 @@ impl<'model> InnerBody<'model> {
         self.coupling.torque_mnm(cap.angle_rad - self.angle_rad, cap.velocity_rad_s - self.velocity_rad_s)
     }
 
-    /// Torque that the cap takes, its own inertia included, mNm.
-    pub(crate) fn torque_with_cap_mnm(&self, cap: &Motion) -> f64 {
-        self.torque_mnm(cap) + self.cap_inertia * cap.acceleration_rad_s2
+    /// Torque that the cap's own inertia takes, mNm.
+    pub(crate) fn cap_mnm(&self, cap: &Motion) -> f64 {
+        self.cap_inertia * cap.acceleration_rad_s2
     }
 
     /// Angle of the inner body, rad.
@@ -116,9 +136,8 @@ impl<'model> InnerBody<'model> {
     }
 
     /// Number of substeps that a sample takes.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number; `as` saturates")]
     fn substeps(&self, sample_s: f64) -> u32 {
-        (self.resonance_rad_s * sample_s / PHASE).ceil().clamp(SUBSTEPS, 16.0) as u32
+        (self.resonance_rad_s * sample_s / self.largest_phase_rad).ceil().clamp(SUBSTEPS, 16.0) as u32
     }
 
     /// Moves on to the next sample, the cap going there evenly accelerated.

@@ -58,7 +58,7 @@ pub use effect::{
 };
 pub use excitation::{Drive, Excitation, Setpoint};
 pub use hypothesis::{Hypothesis, Scene, Search};
-pub use inner_body::InnerBody;
+pub use inner_body::{InnerBody, Resolution};
 pub use model::Model;
 pub use motion::Motion;
 pub use prediction::TorqueReader;

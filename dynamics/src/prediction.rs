@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::{Bristles, Coupling, Direction, Effect, InnerBody, Model, Motion, Part, shifted};
+use crate::{Bristles, Coupling, Direction, Effect, InnerBody, Model, Motion, Part, Resolution, shifted};
 
 /// Speed below which a model without stick of its own counts as resting, rad/s.
 const RESTING_RAD_S: f64 = 0.02;
@@ -55,7 +55,7 @@ impl<'model> TorqueReader<'model> {
                 if motion.time_s > before.time_s {
                     body.advance(&before, motion);
                 }
-                body.torque_with_cap_mnm(motion)
+                body.torque_mnm(motion) + body.cap_mnm(motion)
             }
         };
         torque_mnm + self.model.misreading_mnm(motion)
@@ -71,7 +71,7 @@ impl Model {
     #[must_use]
     pub fn readings_mnm(&self, motions: &[Motion]) -> Vec<f64> {
         if let Some(coupling) = self.coupling() {
-            let [readings_mnm] = Self::coupled_mnm([self], [coupling], motions);
+            let [readings_mnm] = Self::coupled_mnm([self], [coupling], motions, Resolution::Full);
             return readings_mnm;
         }
         let mut reader = TorqueReader::of(self);
@@ -80,9 +80,13 @@ impl Model {
 
     /// [`Model::readings_mnm`] of several models, sooner than of one after the other if they have an inner body.
     #[must_use]
-    pub fn readings_of_mnm<const MODELS: usize>(models: [&Self; MODELS], motions: &[Motion]) -> [Vec<f64>; MODELS] {
+    pub fn readings_of_mnm<const MODELS: usize>(
+        models: [&Self; MODELS],
+        motions: &[Motion],
+        resolution: Resolution,
+    ) -> [Vec<f64>; MODELS] {
         match all(models.map(Self::coupling)) {
-            Some(couplings) => Self::coupled_mnm(models, couplings, motions),
+            Some(couplings) => Self::coupled_mnm(models, couplings, motions, resolution),
             None => models.map(|model| model.readings_mnm(motions)),
         }
     }
@@ -150,22 +154,33 @@ impl Model {
         models: [&Self; MODELS],
         couplings: [Coupling; MODELS],
         motions: &[Motion],
+        resolution: Resolution,
     ) -> [Vec<f64>; MODELS] {
-        let mut torques_mnm = [(); MODELS].map(|()| Vec::with_capacity(motions.len()));
-        let Some(first) = motions.first() else { return torques_mnm };
-        let mut bodies: [InnerBody<'_>; MODELS] =
-            std::array::from_fn(|index| InnerBody::at_rest(models[index], couplings[index], first.angle_rad));
+        let mut readings_mnm = [(); MODELS].map(|()| Vec::with_capacity(motions.len()));
+        let Some(first) = motions.first() else { return readings_mnm };
+        let mut bodies: [InnerBody<'_>; MODELS] = std::array::from_fn(|index| {
+            InnerBody::at_rest(models[index], couplings[index], first.angle_rad).at_resolution(resolution)
+        });
+        let step = if let Resolution::Slow(step) = resolution { step.max(1) } else { 1 };
         let mut before = first;
-        for now in motions {
+        let mut torques_mnm = bodies.each_ref().map(|body| body.torque_mnm(first));
+        for passed in motions.chunks(step) {
+            let now = &passed[passed.len() - 1];
             if now.time_s > before.time_s {
                 InnerBody::advance_together(&mut bodies, before, now);
             }
             before = now;
-            for ((torque_mnm, body), model) in torques_mnm.iter_mut().zip(&bodies).zip(models) {
-                torque_mnm.push(body.torque_with_cap_mnm(now) + model.misreading_mnm(now));
+            for (((readings_mnm, body), model), torque_mnm) in
+                readings_mnm.iter_mut().zip(&bodies).zip(models).zip(&mut torques_mnm)
+            {
+                let begins_mnm = std::mem::replace(torque_mnm, body.torque_mnm(now));
+                let falls_mnm = (begins_mnm - *torque_mnm) / passed.len() as f64;
+                readings_mnm.extend(passed.iter().zip((0..passed.len()).rev()).map(|(cap, ahead)| {
+                    *torque_mnm + ahead as f64 * falls_mnm + body.cap_mnm(cap) + model.misreading_mnm(cap)
+                }));
             }
         }
-        torques_mnm
+        readings_mnm
     }
 
     /// The part of sliding friction that a reading is better taken without close to rest, mNm.

@@ -27,7 +27,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let measurement = rig.read(tick * period_ns)?;
                 rig.write_torque(torque_mnm)?;
                 durations_ns.push(start.elapsed().as_nanos());
-                #[allow(clippy::cast_precision_loss, reason = "rates and ticks are small")]
                 let (time_s, rate) = (tick as f64 / rate_hz as f64, rate_hz as f64);
                 let wanted = sweep.at(time_s);
                 let velocity_rad_s = (measurement.angle_rad - previous_rad) * rate;
@@ -37,7 +36,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let run_s = begin.elapsed().as_secs_f64();
             durations_ns.sort_unstable();
             let at = |thousandths: usize| durations_ns[(durations_ns.len() - 1) * thousandths / 1000];
-            #[allow(clippy::cast_precision_loss, reason = "ten seconds")]
             let factor = OFFLINE_S as f64 / run_s;
             println!(
                 "{number:>4}  {rate_hz:>5} Hz  {:>5} ns  {:>5} ns  {:>7} ns  {factor:>5.0} x real time",

@@ -230,7 +230,6 @@ fn neutral() -> toml::Table {
 }
 
 fn as_number(value: &toml::Value) -> Option<f64> {
-    #[allow(clippy::cast_precision_loss, reason = "a number that a person wrote")]
     value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))
 }
 

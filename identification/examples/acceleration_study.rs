@@ -35,7 +35,6 @@ impl Errors {
         Ok(())
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "few captures")]
     fn line(&self) -> String {
         let count = self.errors.len() as f64;
         let mean = self.errors.iter().sum::<f64>() / count;

@@ -26,7 +26,6 @@ struct Tally {
     told: u32,
 }
 
-#[allow(clippy::cast_precision_loss, reason = "few pairs")]
 fn main() -> Result<(), Failure> {
     let pairs: u64 = std::env::args().nth(1).map_or(Ok(50), |text| text.parse())?;
     println!("knob  parameter             RMS error: one capture, mean of parameters, mean of vectors   held");
@@ -66,7 +65,6 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a seed")]
 fn captured_fit(knob: &Model, (sweep, amplitude_rad): (&str, f64), seed: u64) -> Result<Fit, Failure> {
     let amplitude_rad = amplitude_rad * (0.95 + 0.1 * (seed as f64 * 0.618_034).fract());
     let capture = captured_at(knob, sweep, amplitude_rad, RigParameters::default(), DURATION_S, seed)?;

@@ -47,7 +47,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// Time, angle, velocity, acceleration and noisy torque.
-#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
 fn capture(samples: usize) -> [Vec<f64>; 5] {
     let knob = knob(&TABLE_2);
     let paper = sweep("paper");

@@ -74,7 +74,6 @@ fn captured(seed: u64, logger: Logger, motion: Motion, constant_mnm: f64) -> Cap
     let mut random = Uniform(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let step_rad = TAU / f64::from(1 << logger.bits);
     let mut capture = Capture::default();
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
     for sample in 0..(DURATION_S * logger.rate_hz) as u32 {
         let t_s = f64::from(sample) / logger.rate_hz;
         let [angle_rad, velocity_rad_s, acceleration_rad_s2] = motion(t_s);
@@ -96,7 +95,6 @@ fn driven(seed: u64, logger: Logger, tones_hz: &[f64]) -> Capture {
     let step_s = 1.0 / (logger.rate_hz * f64::from(STEPS_PER_SAMPLE));
     let (mut angle_rad, mut velocity_rad_s) = (0.0, 0.0_f64);
     let mut capture = Capture::default();
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of steps")]
     for step in 0..(DURATION_S / step_s) as u32 {
         let t_s = f64::from(step) * step_s;
         let torque_mnm = tones_hz.iter().map(|hz| TONE_MNM * (TAU * hz * t_s + hz * hz).sin()).sum::<f64>();

@@ -60,12 +60,6 @@ fn rows_in_any_order_give_the_same_answer_to_the_last_digit() {
         let mut random = Uniform(seed + 77);
         let mut order: Vec<usize> = (0..capture.t_s.len()).collect();
         for last in (1..order.len()).rev() {
-            #[allow(
-                clippy::cast_precision_loss,
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "an index"
-            )]
             order.swap(last, (random.next() * (last + 1) as f64) as usize);
         }
         let shuffle = |column: &Vec<f64>| order.iter().map(|index| column[*index]).collect::<Vec<f64>>();

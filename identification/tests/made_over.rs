@@ -34,7 +34,6 @@ fn faster(columns: &Columns, times: usize, interpolated: bool) -> Columns {
     [(0..(t_s.len() - 1) * times).map(|row| real(row) * step_s).collect(), column(angle_rad), column(torque_mnm)]
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 fn real(count: usize) -> f64 {
     count as f64
 }
@@ -92,7 +91,6 @@ fn slow(rate_hz: f64, steps_per_turn: f64, seed: u64) -> Columns {
     let mut random = Uniform(seed);
     let tones = [(TAU, 1.0, 0.0), (2.3 * TAU, 0.3, 1.0)];
     let sum = |term: &dyn Fn(f64, f64, f64) -> f64| tones.iter().map(|(w, a, phase)| term(*w, *a, *phase)).sum::<f64>();
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
     let t_s: Vec<f64> = (0..(20.0 * rate_hz) as usize).map(|index| real(index) / rate_hz).collect();
     let angle = |t: &f64| sum(&|w, a, phase| a * (w * t + phase).sin());
     let torque = t_s.iter().map(|t| {
@@ -156,7 +154,6 @@ fn friction_at_one_speed_is_known_in_sum_alone() {
 #[test]
 fn a_sine_without_friction_shows_no_breakaway_at_any_rate() {
     for rate_hz in [10.0, 20.0, 50.0, 80.0, 90.0, 100.0, 1000.0] {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
         let t_s: Vec<f64> = (0..(30.0 * rate_hz) as usize).map(|index| real(index) / rate_hz).collect();
         let angle_rad: Vec<f64> = t_s.iter().map(|t| (PI * t).sin()).collect();
         let torque_mnm: Vec<f64> = angle_rad.iter().map(|angle| -0.2 * PI * PI * angle).collect();

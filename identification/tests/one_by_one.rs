@@ -1,11 +1,5 @@
 //! What differs from place to place is told place by place: each detent, a scratch, and what has no name.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "small counts"
-)]
 
 mod common;
 

@@ -83,7 +83,6 @@ impl Sample {
 
     /// Time since the start of the run at which the sensors were read, s.
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
     pub fn time_s(&self, rate_hz: f64) -> f64 {
         self.tick as f64 / rate_hz + self.measured_after_s
     }

@@ -29,7 +29,6 @@ const LENGTHS: [u32; 3] = [1, 4, 16];
 struct Random(Xoshiro256PlusPlus);
 
 impl Random {
-    #[allow(clippy::cast_precision_loss, reason = "a random fraction")]
     fn even(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }

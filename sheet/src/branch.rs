@@ -23,7 +23,6 @@ pub struct Branch {
 impl Branch {
     /// Means of rows in cells of `step` about its multiples; between cells without rows, straight lines.
     pub(crate) fn of_rows(axis: Axis, step: f64, rows: impl Iterator<Item = (f64, f64)> + Clone) -> Self {
-        #[allow(clippy::cast_possible_truncation, reason = "positions over steps, of finite numbers")]
         let cell = |position: f64| (position / step).round() as i64;
         let ends = rows.clone().map(|(position, _)| cell(position));
         let (low, high) = ends.fold((i64::MAX, i64::MIN), |(low, high), at| (low.min(at), high.max(at)));
@@ -37,7 +36,6 @@ impl Branch {
         }
         let means: Vec<Option<f64>> =
             sums.iter().zip(&counts).map(|(sum, count)| (*count > 0.0).then(|| sum / count)).collect();
-        #[allow(clippy::cast_precision_loss, reason = "a number of cells")]
         let first = low as f64 * step;
         Self { axis, first, step, load: bridged(&means), load_ci95_half_width: vec![0.0; cells] }
     }
@@ -56,7 +54,6 @@ impl Branch {
 
     /// The position of that index, rad or mm.
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "a number of cells")]
     pub fn position(&self, index: usize) -> f64 {
         self.first + index as f64 * self.step
     }
@@ -68,7 +65,6 @@ impl Branch {
 
     /// Load at a position between the first and the last; `None` beyond.
     #[must_use]
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index that is checked")]
     pub fn load_at(&self, position: f64) -> Option<f64> {
         let place = (position - self.first) / self.step;
         // Positions that come from the branch itself may lie a rounding beyond its ends.
@@ -82,7 +78,6 @@ impl Branch {
 }
 
 /// The values, with straight lines between those that are there.
-#[allow(clippy::cast_precision_loss, reason = "a number of cells")]
 fn bridged(values: &[Option<f64>]) -> Vec<f64> {
     let mut filled = vec![0.0; values.len()];
     let mut before: Option<(usize, f64)> = None;

@@ -75,7 +75,6 @@ impl Capability {
     ///
     /// # Errors
     /// [`CapabilityError`], a sentence on the values.
-    #[allow(clippy::cast_precision_loss, reason = "a number of values")]
     pub fn of(values: &[f64], subgroup: usize, limits: Limits) -> Result<Self, CapabilityError> {
         let number = values.len();
         if subgroup == 0 || !number.is_multiple_of(subgroup) {
@@ -112,7 +111,6 @@ impl Capability {
 }
 
 /// Mean moving range over that of a unit deviation, and how many degrees of freedom that is worth.
-#[allow(clippy::cast_precision_loss, reason = "a number of values")]
 fn moving_ranges(values: &[f64]) -> (f64, f64) {
     let steps = values.len() as f64 - 1.0;
     let mean = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum::<f64>() / steps;
@@ -120,7 +118,6 @@ fn moving_ranges(values: &[f64]) -> (f64, f64) {
 }
 
 /// Pooled deviation within subgroups without its bias, and its degrees of freedom.
-#[allow(clippy::cast_precision_loss, reason = "a number of values")]
 fn pooled(values: &[f64], subgroup: usize) -> (f64, f64) {
     let squares: f64 = values
         .chunks(subgroup)

@@ -101,7 +101,6 @@ impl Gauge {
     }
 }
 
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count that is cut off, as AIAG says")]
 fn categories(part: f64, gauge: f64) -> Option<u64> {
     (gauge > 0.0).then(|| (CATEGORIES * (part.sqrt() / gauge.sqrt())) as u64)
 }
@@ -116,7 +115,6 @@ struct Squares {
 }
 
 impl Squares {
-    #[allow(clippy::cast_precision_loss, reason = "numbers of parts")]
     fn of(values: &[Vec<Vec<f64>>], counts: [usize; 3]) -> Self {
         let [o, p, r] = counts.map(|count| count as f64);
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;

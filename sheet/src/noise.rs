@@ -31,7 +31,6 @@ impl Signs {
 }
 
 /// Mean and standard deviation; `None` of fewer than two values.
-#[allow(clippy::cast_precision_loss, reason = "a number of values")]
 pub(crate) fn mean_and_deviation(values: &[f64]) -> Option<(f64, f64)> {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;

@@ -231,7 +231,6 @@ fn spread(detents: &[Detent], name: &str) -> Option<Spread> {
 
 /// The mean of several runs, with the standard error of one more run about it, and from how many differences it is known. Runs that
 /// are alike by chance, or as a step of the rows has it, do not tell it better than each of them by itself.
-#[allow(clippy::cast_precision_loss, reason = "a number of runs")]
 pub(crate) fn combined(runs: &[Estimate]) -> (Estimate, f64) {
     let values: Vec<f64> = runs.iter().map(|run| run.value).collect();
     let Some((value, deviation)) = mean_and_deviation(&values) else {
@@ -256,7 +255,6 @@ fn mean_branches(runs: &[Run]) -> BTreeMap<&'static str, Branch> {
     means.collect()
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a number of runs")]
 fn mean_branch(first: &Branch, branches: &[&Branch]) -> Branch {
     let count = branches.len() as f64;
     let at = |position: f64| branches.iter().map(|branch| branch.load_at(position)).collect::<Option<Vec<f64>>>();

@@ -90,7 +90,6 @@ struct Guard {
 }
 
 impl Guard {
-    #[allow(clippy::cast_precision_loss, reason = "a number of limits")]
     fn bands(self, degrees_of_freedom: f64) -> [f64; 2] {
         let share = self.risk / self.limits as f64;
         [self.risk, share].map(|risk| student_quantile(1.0 - risk, degrees_of_freedom))
@@ -216,7 +215,6 @@ fn rows(envelope: &Envelope, sheet: &Sheet) -> Vec<[f64; 5]> {
     (0..branch.len()).filter_map(row).collect()
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a number of runs")]
 fn of_branch(guard: Guard, envelope: &Envelope, sheet: &Sheet) -> (EnvelopeVerdict, Option<String>) {
     let rows = rows(envelope, sheet);
     // A branch has its share of the risk for all of its rows.
@@ -244,7 +242,6 @@ fn of_branch(guard: Guard, envelope: &Envelope, sheet: &Sheet) -> (EnvelopeVerdi
 }
 
 /// A number with the decimals that an interval of that width supports.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful of digits")]
 fn rounded(value: f64, width: f64) -> String {
     let digits = if width > 0.0 { (1.0 - width.log10().floor()).clamp(0.0, 9.0) as usize } else { 4 };
     format!("{value:.digits$}")

@@ -1,5 +1,5 @@
 //! Presses with a contact that closes, opens and bounces where the test says.
-#![allow(clippy::unwrap_used, clippy::cast_precision_loss, reason = "a test may stop at a failure")]
+#![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
 
 use archive::testers::Curve;
 use shared_types::Axis;

@@ -29,7 +29,6 @@ pub fn left_out_mnm(model: &Model, said: &Model, motions: &[Motion]) -> f64 {
 pub fn left_out_by_mnm(model: &Model, said_mnm: &[f64], motions: &[Motion]) -> f64 {
     let all = without_misreadings(model).readings_mnm(motions);
     let squares: f64 = all.iter().zip(said_mnm).map(|(all, said)| (all - said).powi(2)).sum();
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     let count = motions.len().max(1) as f64;
     (squares / count).sqrt()
 }

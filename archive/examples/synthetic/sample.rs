@@ -1,7 +1,5 @@
 //! Samples as a rig has them, without a rig: a slow sweep, detents, sensor noise and quantised sensors.
 
-#![allow(clippy::cast_precision_loss, reason = "times and counts stay far below 2^53")]
-
 use shared_types::Sample;
 
 /// Sample rate of the run that they might be of, Hz.

@@ -62,7 +62,6 @@ impl Layout {
             Time::Clock(column) => {
                 Some(unwrapped(table.cells(column, clock_s, "a time as minutes.seconds.fraction")?))
             }
-            #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
             Time::EachRow(interval_s) => Some((0..table.rows.len()).map(|row| row as f64 * interval_s).collect()),
         };
         refuse_falling(t_s.as_deref())?;

@@ -77,7 +77,6 @@ impl Curve {
     /// # Errors
     /// What [`Capture::validate`] reports.
     pub fn into_capture(self) -> Result<Capture, ArchiveError> {
-        #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
         let counted = || (0..self.position.len()).map(|row| row as f64).collect();
         Capture::from_measured(Capture {
             source: self.source,

@@ -1,12 +1,6 @@
 //! Recordings that the tests write, and an independent way to read them.
 
-#![allow(
-    dead_code,
-    unreachable_pub,
-    clippy::unwrap_used,
-    clippy::cast_precision_loss,
-    reason = "shared by several test programs"
-)]
+#![allow(dead_code, unreachable_pub, clippy::unwrap_used, reason = "shared by several test programs")]
 
 use std::io::Cursor;
 

@@ -107,7 +107,6 @@ const SCANNED: usize = 4096;
 /// No less than the true value and at most 0.005 % more: a trigonometric polynomial of degree n is nowhere larger than
 /// the largest of its values at N even angles over cos(πn/N). Source: H. Ehlich and K. Zeller, *Schwankung von
 /// Polynomen zwischen Gitterpunkten*, Math. Zeitschrift 86 (1964) 41–44.
-#[allow(clippy::cast_precision_loss, reason = "small whole numbers")]
 pub(crate) fn steepest_mnm_rad(effect: &Effect, first_mnm: [f64; 2]) -> f64 {
     let (period_rad, harmonics_mnm) = (effect.values()[0], &effect.values()[1..]);
     let slope = |index: usize| {

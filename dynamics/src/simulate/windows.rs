@@ -169,7 +169,6 @@ impl ForwardErrors {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
 fn rms(squares: f64, samples: usize) -> f64 {
     (squares / samples.max(1) as f64).sqrt()
 }

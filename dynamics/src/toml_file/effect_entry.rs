@@ -152,7 +152,6 @@ impl Entry<'_> {
 fn number(value: &toml::Value) -> Option<f64> {
     match value {
         toml::Value::Float(value) => Some(*value),
-        #[allow(clippy::cast_precision_loss, reason = "a whole number in a model file is small")]
         toml::Value::Integer(value) => Some(*value as f64),
         _ => None,
     }

@@ -1,7 +1,6 @@
 //! Waveforms of the angle against their definitions written otherwise, and tables against what a curve through drawn
 //! points promises.
 #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
-#![allow(clippy::cast_precision_loss, reason = "small whole numbers")]
 
 mod curve;
 mod files;

@@ -47,7 +47,6 @@ pub(crate) struct Following {
 ///
 /// # Errors
 /// What the rig says.
-#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "few ticks")]
 pub(crate) fn drive(
     knob: &Model,
     excitation: &Excitation,

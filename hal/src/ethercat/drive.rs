@@ -91,7 +91,6 @@ pub(super) fn interpolation_period(rate_hz: f64) -> Option<(u8, i8)> {
     (-6..=-3_i8).rev().find_map(|exponent| {
         let units = 1.0 / rate_hz / 10_f64.powi(i32::from(exponent));
         let is_whole = (units - units.round()).abs() < 1e-6 * units && (1.0..=255.0).contains(&units.round());
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 255")]
         is_whole.then_some((units.round() as u8, exponent))
     })
 }

@@ -169,7 +169,6 @@ impl Place {
     }
 
     /// The number there; 0 beyond the end.
-    #[allow(clippy::cast_precision_loss, reason = "encoders count less than 2^53")]
     pub(super) fn read(self, bytes: &[u8], coding: Coding) -> f64 {
         let bits = self.read_bits(bytes);
         let unused = 64 - u32::from(self.bits);

@@ -25,13 +25,11 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small, positive number")]
     pub(super) fn new(rate_hz: f64) -> Self {
         Self { period_ns: (1e9 / rate_hz) as u64, next_ns: 0 }
     }
 
     /// By how much the next tick is to come later, ns, where the frame passed so long after the devices' SYNC0.
-    #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "shares of a period")]
     pub(super) fn shift_ns(&self, after_sync_ns: u64) -> i64 {
         let period_ns = self.period_ns as f64;
         let off = (after_sync_ns as f64 / period_ns - PHASE).rem_euclid(1.0);

@@ -220,7 +220,6 @@ impl EthercatRig {
     }
 
     /// What a whole exchange brought.
-    #[allow(clippy::cast_precision_loss, reason = "a cycle is far shorter than 2^53 ns")]
     fn measured(&self, bus: &Bus, cycle: &Cycle, due_ns: u64, torque_mnm: f64) -> Measurement {
         let mut raw = RawMeasurement { values: [0.0; MOST_CHANNELS], valid: u32::MAX, after_s: 0.0 };
         for (index, value) in raw.values.iter_mut().enumerate().take(bus.channels.len()) {
@@ -234,7 +233,6 @@ impl EthercatRig {
 }
 
 /// A torque as the drive takes it, in thousandths of the rated torque.
-#[allow(clippy::cast_possible_truncation, reason = "what is beyond an i16 is clipped to it")]
 fn thousandths(torque_mnm: f64, rated_torque_mnm: f64) -> i16 {
     (torque_mnm / rated_torque_mnm * 1e3).round() as i16
 }

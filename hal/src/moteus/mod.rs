@@ -312,7 +312,6 @@ impl Apparatus for MoteusRig {
         }
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "clocks differ by less than 2^53 ns")]
     fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
         // At the time of the answer the command before acted still.
         let acting_mnm = self.torque_mnm;

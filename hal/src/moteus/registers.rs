@@ -183,7 +183,6 @@ impl Drive {
         Self { format, most_torque_nm, watchdog_s }
     }
 
-    #[allow(clippy::cast_possible_truncation, reason = "the controller takes single precision")]
     fn write(&self, frame: &mut CanFdFrame, torque_nm: f64) {
         PositionCommand::new()
             .position(f32::NAN)

@@ -145,7 +145,6 @@ impl Apparatus for PluginRig {
         }
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "clocks differ by less than 2^53 ns")]
     fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
         let mut raw = Raw::default();
         result(self.library.exchange(due_ns, self.wiring.of_motor(torque_mnm), &mut raw))?;

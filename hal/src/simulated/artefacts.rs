@@ -36,7 +36,6 @@ impl Artefacts {
             return Err(ParameterError { parameter: "sensor_delay", value: delay_s, requirement });
         }
         let delay = delay_s / parameters.substep_s();
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 0.1 s of substeps")]
         let kept = delay.ceil() as usize + 1;
         let adds = |effect: &&Effect| matches!(effect.kind().part, Part::Reading(_));
         Ok(Self {
@@ -72,7 +71,6 @@ impl Artefacts {
         if ago <= 0.0 {
             return self.past(0) - ago * self.substep_s * rate_mnm_s;
         }
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 0.1 s of substeps")]
         let whole = ago.floor() as usize;
         let (later, earlier) = (self.past(whole), self.past(whole + 1));
         later + (ago - ago.floor()) * (earlier - later)

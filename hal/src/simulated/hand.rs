@@ -120,7 +120,6 @@ impl Hand {
 }
 
 /// Angle and velocity between two samples, from the first sample's angle on.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index; `as` saturates")]
 fn between(angle_rad: &[f64], rate_hz: f64, time_s: f64) -> (f64, f64) {
     let (Some(first), Some(last)) = (angle_rad.first(), angle_rad.last()) else { return (0.0, 0.0) };
     let position = time_s * rate_hz;

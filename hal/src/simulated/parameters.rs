@@ -196,7 +196,6 @@ impl RigParameters {
 
     /// The substep, s.
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "a substep is at most 20 000 ns")]
     pub(super) fn substep_s(&self) -> f64 {
         self.substep_ns as f64 * 1e-9
     }

@@ -79,7 +79,6 @@ impl Plant {
         self.steps
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "2^53 substeps of 10 µs are 2800 years")]
     fn time_s(&self) -> f64 {
         self.steps as f64 * self.substep_s
     }

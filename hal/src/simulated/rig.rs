@@ -55,7 +55,6 @@ impl SimulatedRig {
         }
         let hand_inertia = hand.as_ref().map_or(Ok(0.0), |hand| hand.grip.validated())?;
         let substep_s = parameters.substep_s();
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "both are positive; `as` saturates")]
         let substeps = |duration_s: f64| (duration_s / substep_s).round() as u64;
         Ok(Self {
             description: describe(&parameters, &knob, seed),
@@ -111,7 +110,6 @@ impl SimulatedRig {
         if self.watchdog.ran_out() {
             return Err(ApparatusError::Watchdog);
         }
-        #[allow(clippy::cast_precision_loss, reason = "less than a substep")]
         let readings = self.sensors.read(&self.plant.truth(), beyond_ns as f64 * 1e-9);
         let Readings { angle_rad, acceleration_rad_s2, torque_mnm, contact: _ } = readings;
         if angle_rad.is_finite() && acceleration_rad_s2.is_finite() && torque_mnm.is_finite() {

@@ -2,8 +2,6 @@
 //! conservation laws and the numbers it was given.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on shall stop")]
 #![allow(clippy::print_stdout, reason = "figures that are not asserted are printed")]
-#![allow(clippy::cast_precision_loss, reason = "ticks are few")]
-#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "ticks are few and positive")]
 
 mod closed_loop;
 mod cogging;

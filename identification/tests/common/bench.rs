@@ -20,7 +20,6 @@ pub fn run(knob: &Model, sweep: &str, drive: Drive, amplitude: Option<f64>, dura
     let mut capture = Capture { calibration: Some(calibration), ..Capture::default() };
     let mut acceleration_rad_s2 = Vec::new();
     let (mut previous, mut velocity) = (0.0, 0.0);
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few seconds")]
     let ticks = (duration_s * RATE_HZ) as u32;
     for tick in 0..ticks {
         let time_s = f64::from(tick) / RATE_HZ;

@@ -5,7 +5,6 @@ pub struct Uniform(pub u64);
 
 impl Uniform {
     /// The next number.
-    #[allow(clippy::cast_precision_loss, reason = "53 random bits")]
     pub fn next(&mut self) -> f64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;

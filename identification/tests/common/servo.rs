@@ -52,7 +52,6 @@ pub struct Commanded {
 ///
 /// # Errors
 /// What rig or loop say.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "ticks")]
 pub fn commanded(
     knob: &Model,
     excitation: Excitation,

@@ -1,6 +1,5 @@
 //! `compose` as an operator uses it.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(clippy::cast_precision_loss, reason = "a number of samples")]
 
 mod program;
 

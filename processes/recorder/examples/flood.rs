@@ -5,7 +5,6 @@
 
 #![allow(
     clippy::print_stdout,
-    clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a measurement prints its figures; rates and times are small, positive numbers"

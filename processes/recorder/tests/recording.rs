@@ -212,7 +212,6 @@ impl Rig {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "test values")]
 fn sample(seq: u64) -> Sample {
     Sample {
         seq,

@@ -32,7 +32,6 @@ struct Options {
 
 fn main() -> anyhow::Result<()> {
     let options = Options::parse();
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive, small number")]
     let ticks = (options.rate_hz * options.duration_s) as usize;
     // Written once here, so that no page of it is met for the first time in the loop.
     let mut records = vec![TickRecord { missed_ticks: 1, ..TickRecord::default() }; ticks];

@@ -19,7 +19,6 @@ use rt_loop::stability::{Bounds, Hands, LinearModel, Port};
 /// Inertias that every choice must hold, mNm·s²/rad.
 const INERTIAS: [f64; 5] = [0.0199, 0.05, 0.15, 0.28, 0.42];
 
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of draws")]
 fn main() {
     let argument =
         |index: usize, usual: f64| std::env::args().nth(index).and_then(|text| text.parse().ok()).unwrap_or(usual);

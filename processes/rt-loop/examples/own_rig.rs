@@ -60,7 +60,6 @@ impl Apparatus for Pendulum {
 
     fn disable(&mut self) {}
 
-    #[allow(clippy::cast_precision_loss, reason = "nanoseconds of a tick")]
     fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
         let step_s = (due_ns - self.at_ns.replace(due_ns).unwrap_or(due_ns)) as f64 * 1e-9;
         let inertia = self.description.calibration.motor_inertia;

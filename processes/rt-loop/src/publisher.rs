@@ -264,7 +264,6 @@ fn count(status: &mut LoopStatus, sample: &Sample) {
     status.guarded_ticks += u64::from(sample.flags & Sample::GUARDED != 0);
     (status.torque_mnm, status.flags) = (sample.torque_mnm, sample.flags);
     // After a stall the loop came this much too late for the first tick that it missed.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a period is a small, positive number")]
     let stall_ns = u64::from(sample.missed_ticks) * (1e9 / status.rate_hz) as u64;
     let lateness_ns = sample.lateness_ns + stall_ns;
     status.max_lateness_ns = status.max_lateness_ns.max(lateness_ns);

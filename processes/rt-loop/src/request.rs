@@ -185,11 +185,6 @@ impl RunRequest {
 
     /// Ticks of the run, at least one.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "an absurd length is refused by the plan"
-    )]
     pub fn ticks(&self) -> u64 {
         ((self.pace.rate_hz * self.duration_s).round() as u64).max(1)
     }

@@ -87,24 +87,16 @@ fn gram_force() -> f64 {
 }
 
 /// The index of a travel; `None` beyond the ends.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index that is checked")]
 fn index_of(branch: &Branch, travel_mm: f64) -> Option<usize> {
     let place = ((travel_mm - branch.first) / branch.step).round();
     (place >= 0.0 && (place as usize) < branch.len()).then_some(place as usize)
 }
 
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some hundred rows")]
 fn rows(way_mm: f64) -> usize {
     (way_mm / STEP_MM).round() as usize
 }
 
 /// The most prominent local maximum in the first part of the press.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "a part of the rows"
-)]
 fn collapse(smooth: &[f64]) -> Option<usize> {
     let end = (COLLAPSE_WITHIN * smooth.len() as f64) as usize;
     let is_maximum = |at: usize| smooth[at - NEIGHBOURS..=at + NEIGHBOURS].iter().all(|other| *other <= smooth[at]);
@@ -148,7 +140,6 @@ fn back_figures(back: &Branch, press: &Branch, actuation: Option<usize>, bottom:
 }
 
 /// Rise over way from the bottom-out to the end of the press, N/mm.
-#[allow(clippy::cast_precision_loss, reason = "some hundred rows")]
 fn end_stiffness(press: &Branch, smooth: &[f64], bottom: usize) -> Value {
     let way_mm = (press.len() - 1 - bottom) as f64 * STEP_MM;
     if way_mm > 0.0 { Ok((smooth[press.len() - 1] - smooth[bottom]) / way_mm) } else { Err(NO_BOTTOM) }

@@ -50,7 +50,6 @@ impl Stroke {
         };
         let press = branch(rows.start..turn + 1);
         let back = branch(turn..rows.end);
-        #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
         let returned = back.len() as f64 > RETURNED * press.len() as f64;
         Self {
             press,
@@ -94,7 +93,6 @@ fn presses(travel: &[f64]) -> Vec<Range<usize>> {
 }
 
 /// Means over seven rows about each, over fewer at the ends.
-#[allow(clippy::cast_precision_loss, reason = "seven rows")]
 pub(crate) fn smoothed(load: &[f64]) -> Vec<f64> {
     let half = SMOOTHED / 2;
     let about = |index: usize| {

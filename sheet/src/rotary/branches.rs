@@ -37,7 +37,6 @@ pub(super) struct SplineBranch {
 impl SplineBranch {
     /// Of the rows of a curve in one direction, those in cells of `cell` rad as their mean, with knots every `knot` rad; `None` of too
     /// few.
-    #[allow(clippy::cast_possible_truncation, reason = "a number of cells")]
     pub(super) fn of(curve: &Curve, directions: &[i8], direction: i8, [knot, cell]: [f64; 2]) -> Option<Self> {
         let mut cells: std::collections::BTreeMap<i64, [f64; 3]> = std::collections::BTreeMap::new();
         let rows = curve.position.iter().zip(&curve.load).zip(directions);
@@ -59,7 +58,6 @@ impl SplineBranch {
         Self::fitted(self.cells.clone(), self.knot(), hinges, reach)
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "a number of cells")]
     fn fitted(cells: Cells, knot: f64, hinges: &[f64], reach: f64) -> Option<Self> {
         let Cells { angles, loads, rows } = &cells;
         let fit = SplineFit::new(angles, rows, knot, hinges, reach)?;
@@ -92,7 +90,6 @@ impl SplineBranch {
 
     /// As rows of a table, `step` apart, with the deviations of redrawn branches.
     pub(super) fn rows(&self, step: f64, redrawn: &[Spline]) -> Branch {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousand rows")]
         let count = ((self.ends[1] - self.ends[0]) / step).floor() as usize + 1;
         let mut branch = Branch {
             axis: Axis::Rotary,

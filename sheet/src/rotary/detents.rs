@@ -35,12 +35,6 @@ pub(super) struct Side<'a> {
 }
 
 /// Steps of equal length over a stretch, ends included.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "some thousand steps"
-)]
 pub(super) fn steps([low, high]: [f64; 2], step: f64) -> impl Iterator<Item = f64> + Clone {
     let count = ((high - low) / step).ceil().max(1.0) as usize;
     (0..=count).map(move |index| low + (high - low) * index as f64 / count as f64)
@@ -50,7 +44,6 @@ pub(super) fn steps([low, high]: [f64; 2], step: f64) -> impl Iterator<Item = f6
 pub(super) fn rests(branches: [&Spline; 2], range: [f64; 2], pitch: f64) -> Vec<f64> {
     let at: Vec<f64> = steps(range, pitch / STEPS).collect();
     let torque: Vec<f64> = at.iter().map(|at| 0.5 * (branches[0].value(*at) + branches[1].value(*at))).collect();
-    #[allow(clippy::cast_precision_loss, reason = "some thousand steps")]
     let mean = torque.iter().sum::<f64>() / torque.len() as f64;
     let torque: Vec<f64> = torque.iter().map(|torque| torque - mean).collect();
     let threshold = HYSTERESIS * std::f64::consts::SQRT_2 * identification::statistics::rms(&torque);

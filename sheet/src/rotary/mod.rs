@@ -187,7 +187,6 @@ fn samples<'a>(curve: &'a Curve, t_s: &'a [f64]) -> Samples<'a> {
 }
 
 /// The pitch of the detents, rad, or why there are none.
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 fn pitch(curve: &Curve) -> Result<f64, String> {
     // Without a time every row counts alike; a step short enough for any table to be less than a day long.
     let rows = || (0..curve.len()).map(|row| row as f64 * 1e-3).collect();

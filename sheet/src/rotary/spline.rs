@@ -45,9 +45,7 @@ fn slopes(share: f64) -> [f64; 4] {
 impl Spline {
     fn place(first: f64, knot: f64, pieces: usize, at: f64) -> (usize, f64) {
         let place = ((at - first) / knot).max(0.0);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a piece, clamped")]
         let piece = (place.floor() as usize).min(pieces - 1);
-        #[allow(clippy::cast_precision_loss, reason = "a number of pieces")]
         let share = place - piece as f64;
         (piece, share.min(1.0))
     }
@@ -98,12 +96,6 @@ impl SplineFit {
     /// reach as far either way.
     ///
     /// `None` for fewer rows than coefficients, or rows that do not tell them all.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a number of pieces"
-    )]
     pub(super) fn new(at: &[f64], weights: &[f64], knot: f64, hinges: &[f64], reach: f64) -> Option<Self> {
         let first = at.iter().copied().fold(f64::INFINITY, f64::min);
         let last = at.iter().copied().fold(f64::NEG_INFINITY, f64::max);

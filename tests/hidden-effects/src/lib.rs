@@ -12,13 +12,6 @@
 //!
 //! Units: rad, s, mNm, mNm s²/rad.
 
-#![allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "counts of samples and steps are far below 2^52 and never negative"
-)]
-
 pub mod base_fit;
 pub mod capture;
 pub mod draw;

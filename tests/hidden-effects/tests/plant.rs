@@ -1,7 +1,5 @@
 //! What must hold of the plant for its captures to judge anything.
 
-#![allow(clippy::cast_precision_loss, reason = "counts of steps are small")]
-
 use hidden_effects::base_fit::{sliding, unexplained_rms};
 use hidden_effects::capture::Capture;
 use hidden_effects::draw::Draw;

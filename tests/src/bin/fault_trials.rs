@@ -46,7 +46,6 @@ fn main() -> anyhow::Result<ExitCode> {
     if arguments.restarts > 0 {
         let restarts = capture_with_restarts(&Bench::new()?, arguments.restarts)?;
         let at = |share: f64| {
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index")]
             let index = (share * (restarts.shared_memory_bytes.len() - 1) as f64) as usize;
             restarts.shared_memory_bytes[index].1 as f64 / 1e6
         };

@@ -276,7 +276,6 @@ impl Controller {
         counted
     }
 
-    #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a rate")]
     fn local_time(&self, now_ns: u64) -> u64 {
         now_ns + (now_ns as f64 * 1e-6 * self.clock_ppm.unwrap_or(0.0)) as u64
     }

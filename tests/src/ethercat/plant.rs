@@ -38,7 +38,6 @@ impl Plant {
     }
 
     /// Lets it turn until `now_ns`; time does not go back.
-    #[allow(clippy::cast_precision_loss, reason = "nanoseconds of a short while")]
     pub fn turn_to(&mut self, now_ns: u64) {
         let mut left_s = (now_ns.saturating_sub(self.at_ns) as f64 * 1e-9).min(LONGEST_S);
         self.at_ns = self.at_ns.max(now_ns);
@@ -67,7 +66,6 @@ impl Plant {
     }
 
     /// Noise of unit variance.
-    #[allow(clippy::cast_precision_loss, reason = "53 bits of it")]
     pub fn noise(&mut self) -> f64 {
         let mut uniform = || {
             self.random = self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

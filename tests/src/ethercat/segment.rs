@@ -142,7 +142,6 @@ impl Segment {
         }
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "a short while")]
     fn is_amiss(&mut self, now_ns: u64) -> bool {
         let since_s = self.machine.enabled_since_ns.map_or(0.0, |since_ns| (now_ns - since_ns) as f64 * 1e-9);
         since_s > self.options.after_s && self.options.frames.is_none_or(|frames| self.amiss < frames)

@@ -129,7 +129,6 @@ impl Trial {
     #[must_use]
     pub fn draw(seed: u64, number: u64) -> Self {
         let kinds = Self::KINDS.len() as u64;
-        #[allow(clippy::cast_possible_truncation, reason = "below the number of kinds")]
         let (victim, fault) = Self::KINDS[(number % kinds) as usize];
         Self::of_kind(victim, fault, seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(number))
     }
@@ -137,7 +136,6 @@ impl Trial {
     /// A trial of this kind, its moment drawn from `seed`: from the start of the processes on for a consumer, in the
     /// middle of the run for those without which there is no capture.
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "a share")]
     pub fn of_kind(victim: Victim, fault: Fault, seed: u64) -> Self {
         let share = Xoshiro256PlusPlus::seed_from_u64(seed).next_u64() as f64 / u64::MAX as f64;
         let earliest_s = if victim.is_consumer() { 0.0 } else { 1.5 };

@@ -27,7 +27,6 @@ impl EarlyKills {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(self.seed);
         let mut orphans = 0;
         for _ in 0..self.kills {
-            #[allow(clippy::cast_precision_loss, reason = "a share")]
             let moment = self.latest.mul_f64(random.next_u64() as f64 / u64::MAX as f64);
             let mut supervisor = bench.start(&["capture", "--duration-s", "60", "--no-viewer", "--out", "early"])?;
             std::thread::sleep(moment);

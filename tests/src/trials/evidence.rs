@@ -89,11 +89,9 @@ impl Evidence {
                 percentile_99(self.samples[from..to].iter().map(|sample| sample.lateness_ns).collect())
             })
             .collect();
-        #[allow(clippy::cast_possible_truncation, reason = "a run has few windows")]
         let own = *lateness.get(((fault_ns - origin_ns) / WINDOW_NS) as usize)?;
         let below = lateness.iter().filter(|&&other| other < own).count();
         let same = lateness.iter().filter(|&&other| other == own).count();
-        #[allow(clippy::cast_precision_loss, reason = "a run has few windows")]
         Some((below as f64 + same as f64 / 2.0) / lateness.len() as f64)
     }
 

@@ -240,7 +240,6 @@ pub(super) fn shared_memory_bytes(runtime_dir: &Path) -> u64 {
     files.filter_map(|file| std::fs::metadata(file).ok()).map(|metadata| metadata.blocks() * 512).sum()
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a time within a run")]
 fn seconds(nanoseconds: u64) -> f64 {
     nanoseconds as f64 / 1e9
 }

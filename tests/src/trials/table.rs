@@ -46,7 +46,6 @@ pub fn markdown(trials: &[(Trial, Outcome)]) -> String {
 }
 
 /// Whether the loop noticed the faults of the other processes.
-#[allow(clippy::cast_precision_loss, reason = "counts of a study")]
 fn disturbance(trials: &[(Trial, Outcome)]) -> String {
     let others: Vec<&(Trial, Outcome)> = trials.iter().filter(|(trial, _)| trial.victim.is_consumer()).collect();
     let ranks: Vec<f64> = others.iter().filter_map(|(_, outcome)| outcome.lateness_rank).collect();

@@ -120,7 +120,6 @@ fn order(value: f64) -> i32 {
     if value == 0.0 || !value.is_finite() {
         return 0;
     }
-    #[allow(clippy::cast_possible_truncation, reason = "the order of a finite number fits")]
     let order = value.abs().log10().floor() as i32;
     order
 }

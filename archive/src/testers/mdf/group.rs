@@ -86,7 +86,6 @@ impl<'f> Group<'f> {
         if samples.saturating_mul(record.max(1)) > bytes || bytes > possible {
             return Err(format!("it is damaged: group {number} declares more data than the file has"));
         }
-        #[allow(clippy::cast_precision_loss, reason = "bytes for display")]
         let needed = bytes as f64 + COPIES * size_of::<f64>() as f64 * samples as f64;
         match memory::available() {
             Some(available) if needed > available => Err(format!(

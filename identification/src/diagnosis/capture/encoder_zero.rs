@@ -161,7 +161,6 @@ fn phase_rad(structure: &Structure, capture: &Capture) -> Option<f64> {
 
 /// The angle, of a grid over a turn, with which the structure explains most of the capture at the rows' middles; `None` if it
 /// explains hardly more than without.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "a grid")]
 fn coarse(structure: &Structure, capture: &Capture, step_rad: f64) -> Option<f64> {
     let half = ((std::f64::consts::PI / step_rad) as usize).min(MOST_TRIED / 2);
     let places = of_angle(structure);

@@ -100,7 +100,6 @@ pub(crate) struct Capture {
 
 impl Capture {
     /// Prepares samples that are to be compared in a band no wider than `edge_hz`.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
     pub(crate) fn of(
         samples: &Samples<'_>,
         calibration: Option<&Calibration>,
@@ -163,7 +162,6 @@ impl Capture {
     }
 
     /// Takes a map, torque against angle and direction, row by row as it is.
-    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     pub(crate) fn of_map(map: SlowMotion, stretches: Stretches) -> Self {
         let SlowMotion { time_s, angle_rad, velocity_rad_s, torque_mnm } = map;
         let count = time_s.len();
@@ -310,6 +308,11 @@ impl Capture {
     }
 
     /// The motion at every sample.
+    /// Rows in a second, Hz.
+    pub(crate) fn row_rate_hz(&self) -> f64 {
+        self.rate_hz / self.row_filter.step as f64
+    }
+
     pub(crate) fn motions(&self) -> &[Motion] {
         &self.motions
     }
@@ -351,13 +354,6 @@ impl Capture {
     }
 
     /// The torque as it would have been read `delay_s` earlier, mNm.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_possible_wrap,
-        clippy::cast_sign_loss,
-        reason = "a delay of some samples"
-    )]
     pub(crate) fn torque_mnm(&self, delay_s: f64) -> Vec<f64> {
         let whole = (delay_s * self.rate_hz).round();
         let rest_s = delay_s - whole / self.rate_hz;

@@ -6,7 +6,6 @@ use crate::numerics::fourier;
 
 /// Densities (mean squares per cycle, one-sided) at whole numbers of cycles through Hann's window, the two lowest apart;
 /// frequencies are in cycles per row.
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 pub(crate) fn periodogram(rows: &[f64]) -> Vec<[f64; 2]> {
     if rows.len() < 8 {
         return Vec::new();

@@ -17,12 +17,6 @@ const REST_ROWS: usize = 40;
 ///
 /// A sensor's noise need not be white: what its upper end says of the band below may be wrong, a rest is not. Medians
 /// over parts of the band leave out lines such as hum, which are no noise.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "numbers of samples"
-)]
 pub(super) fn in_rows_mnm(
     uniform: &Uniform,
     motion: &KnobMotion,
@@ -72,7 +66,6 @@ pub(super) fn in_rows_mnm(
 }
 
 /// Takes the best parabola off evenly spaced values.
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 fn remove_parabola(values: &mut [f64]) {
     let half = 0.5 * (values.len() as f64 - 1.0).max(1.0);
     let at = |index: usize| (index as f64 - half) / half;

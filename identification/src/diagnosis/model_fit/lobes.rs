@@ -38,12 +38,6 @@ pub(crate) struct Lobes {
 
 impl Lobes {
     /// Equal ones in the place of a detent, over the angles of a capture; `None` for too few or too many of them.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "numbers of lobes"
-    )]
     pub(crate) fn equal(unit: Unit, detent: &Effect, lowest_rad: f64, highest_rad: f64) -> Option<Self> {
         let [amplitude_mnm, period, phase] = *detent.values() else { return None };
         let in_turn = (1.0 / period).round();
@@ -165,7 +159,6 @@ impl Lobes {
 
     /// Moved by a step of Gauss and Newton: new heights of the units, and shifts of their places, rad.
     pub(crate) fn moved(&self, heights_mnm: &[f64], shifts_rad: &[f64], share: f64) -> Option<Self> {
-        #[allow(clippy::cast_precision_loss, reason = "a number of lobes")]
         let most_rad = LARGEST_STEP * self.period_rad / self.lobes() as f64;
         let shift_rad = |(unit, by): (usize, f64)| by * shifts_rad[unit].clamp(-most_rad, most_rad);
         let mut moved = self.clone();

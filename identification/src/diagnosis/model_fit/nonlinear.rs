@@ -4,7 +4,7 @@
 //! Every value is searched, by Levenberg and Marquardt, first on slow motion and then on wider bands: on the whole band
 //! at once the search stops in the first of many valleys.
 
-use dynamics::{Minimum, Model, Part};
+use dynamics::{Minimum, Model, Part, Resolution};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -13,12 +13,20 @@ use crate::diagnosis::model_fit::structure::{Searched, Structure};
 use crate::diagnosis::model_fit::twist;
 use crate::numerics::vector::dot;
 use crate::preparation::filter::Fir;
+use crate::preparation::motion::ROWS_PER_EDGE;
+use crate::preparation::row_filter::HALF_LENGTH_PERIODS;
 use crate::preparation::uniform::whole;
 use crate::regression::refiner::{self, Ended};
 
 /// Edges of the bands of slow motion that are fitted one after the other, as shares of the comparison's, and steps in
 /// each.
 const SLOW_BANDS: [(f64, usize); 2] = [(0.075, 6), (0.25, 8)];
+/// Fewest rows for each value in a band of slow motion that is simulated coarsely.
+const ROWS_PER_VALUE: usize = 10;
+/// Samples per period of the whole band's edge in which slow motion is simulated …
+const SLOW_SAMPLES: f64 = 5.0;
+/// … and most samples that are passed at once.
+const LARGEST_STEP: usize = 4;
 /// Steps in the whole band.
 const ROUNDS: usize = 14;
 /// Steps in the whole band after which it shows whether a start leads anywhere: one set of derivatives.
@@ -107,7 +115,7 @@ impl<'a> Nonlinear<'a> {
     /// Those of several structures.
     pub(crate) fn all(structures: &[Structure], capture: &'a Capture) -> Vec<Self> {
         let fits = structures.par_chunks(TOGETHER).flat_map_iter(|group| {
-            let residuals = residuals(&group.iter().collect::<Vec<_>>(), capture);
+            let residuals = residuals(&group.iter().collect::<Vec<_>>(), capture, Resolution::Full);
             let fits = group.iter().zip(residuals);
             fits.map(|(structure, residual)| Self::with_residual(structure.clone(), residual, capture))
         });
@@ -133,6 +141,7 @@ impl<'a> Nonlinear<'a> {
         for (share, rounds) in SLOW_BANDS {
             self.refine_in(share, rounds);
         }
+        self.residual = residual(&self.structure, self.capture);
     }
 
     /// Fits all values in the whole band.
@@ -152,10 +161,24 @@ impl<'a> Nonlinear<'a> {
         last(self).zip(last(other)).is_some_and(|(own, others)| own.iter().zip(&others).all(alike))
     }
 
+    /// How finely bodies are simulated for a share of the band: where few rows have to tell all values, a small error would lead to others.
+    fn resolution(&self, share: f64) -> Resolution {
+        let capture = self.capture;
+        let rows = self.residual.len() / narrowing(share, capture);
+        if share == 1.0 || rows < ROWS_PER_VALUE * self.values.len() {
+            return Resolution::Full;
+        }
+        Resolution::Slow(whole(capture.rate_hz / (SLOW_SAMPLES * capture.band.edge_hz)).min(LARGEST_STEP))
+    }
+
     fn refine_in(&mut self, share: f64, rounds: usize) {
         // A band of slow motion has to lead into the right valley: there derivatives taken anew cost no step.
         let (settled, attempts) = if share < 1.0 { (SLOW_SETTLED, usize::MAX) } else { (SETTLED, rounds) };
         let mut damping = DAMPING;
+        let resolution = self.resolution(share);
+        if resolution != Resolution::Full {
+            self.residual = residuals(&[&self.structure], self.capture, resolution).remove(0);
+        }
         let mut left = narrowed(&self.residual, share, self.capture);
         let mut tangents = Tangents::default();
         let mut attempts = 0..attempts;
@@ -193,7 +216,7 @@ impl<'a> Nonlinear<'a> {
             }
             let step = damped.cholesky().ok_or(Ended::NoStepImproves)?.solve(&right);
             let structure = self.moved(step.as_slice());
-            let residual = residual(&structure, self.capture);
+            let residual = residuals(&[&structure], self.capture, self.resolution(share)).remove(0);
             let trial = narrowed(&residual, share, self.capture);
             let after = dot(&trial, &trial);
             if after < before {
@@ -302,7 +325,7 @@ impl<'a> Nonlinear<'a> {
     fn tangents_by(&self, values: &[usize], difference: f64, share: f64) -> Vec<Vec<f64>> {
         let moved: Vec<(f64, Structure)> = values.iter().map(|index| self.moved_alone(*index, difference)).collect();
         let structures: Vec<&Structure> = moved.iter().map(|(_, structure)| structure).collect();
-        let there = residuals(&structures, self.capture);
+        let there = residuals(&structures, self.capture, self.resolution(share));
         let tangent = |(there, (step, _)): (&Vec<f64>, &(f64, Structure))| {
             let rows: Vec<f64> = self.residual.iter().zip(there).map(|(here, there)| (here - there) / step).collect();
             narrowed(&rows, share, self.capture)
@@ -326,11 +349,11 @@ impl<'a> Nonlinear<'a> {
 
 /// Measured minus predicted torque, in rows.
 pub(crate) fn residual(structure: &Structure, capture: &Capture) -> Vec<f64> {
-    residuals(&[structure], capture).remove(0)
+    residuals(&[structure], capture, Resolution::Full).remove(0)
 }
 
 /// The same of several structures.
-fn residuals(structures: &[&Structure], capture: &Capture) -> Vec<Vec<f64>> {
+fn residuals(structures: &[&Structure], capture: &Capture, resolution: Resolution) -> Vec<Vec<f64>> {
     if structures.iter().any(|structure| twist::of(structure).is_some()) {
         let unwound = structures.iter().map(|structure| match twist::unwound(structure, capture) {
             Some((bare, behind)) => residual(&bare, &behind),
@@ -340,9 +363,13 @@ fn residuals(structures: &[&Structure], capture: &Capture) -> Vec<Vec<f64>> {
     }
     let models: Vec<Model> = structures.iter().map(|structure| structure.model()).collect();
     let readings_mnm = models.chunks(TOGETHER).flat_map(|models| match models {
-        [first, second, third] => Model::readings_of_mnm([first, second, third], capture.motions()).to_vec(),
-        [first, second] => Model::readings_of_mnm([first, second], capture.motions()).to_vec(),
-        others => others.iter().map(|model| model.readings_mnm(capture.motions())).collect(),
+        [first, second, third] => {
+            Model::readings_of_mnm([first, second, third], capture.motions(), resolution).to_vec()
+        }
+        [first, second] => Model::readings_of_mnm([first, second], capture.motions(), resolution).to_vec(),
+        others => {
+            others.iter().flat_map(|model| Model::readings_of_mnm([model], capture.motions(), resolution)).collect()
+        }
     });
     // Hardly any two differ in their delay.
     let mut target: Option<(f64, Vec<f64>)> = None;
@@ -362,20 +389,19 @@ fn left_by(readings_mnm: &[f64], target: &[f64], capture: &Capture) -> Vec<f64> 
 }
 
 /// Rows below a share of the comparison's band.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "numbers of rows"
-)]
 fn narrowed(rows: &[f64], share: f64, capture: &Capture) -> Vec<f64> {
     if share >= 1.0 {
         return rows.to_vec();
     }
-    let rate_hz = capture.rate_hz / capture.row_filter.step as f64;
+    let rate_hz = capture.row_rate_hz();
     let edge_hz = share * capture.band.edge_hz;
-    let step = whole(rate_hz / (2.5 * edge_hz));
-    Fir::low_pass((1.65 * rate_hz / edge_hz).round() as usize, edge_hz, rate_hz).decimate(rows, step.max(1))
+    let half_length = (HALF_LENGTH_PERIODS * rate_hz / edge_hz).round() as usize;
+    Fir::low_pass(half_length, edge_hz, rate_hz).decimate(rows, narrowing(share, capture))
+}
+
+/// Rows of the whole band for each of a share of it.
+fn narrowing(share: f64, capture: &Capture) -> usize {
+    whole(capture.row_rate_hz() / (ROWS_PER_EDGE * share * capture.band.edge_hz)).max(1)
 }
 
 /// Everything in the structure that a fit can move.

@@ -58,8 +58,8 @@ pub(crate) fn settled(structure: Structure, train: &Capture) -> Structure {
     unequal::settled(bare, &behind).structure.with_at(index, effect)
 }
 
-/// Whether a coupling has no gap: its bodies do not lose touch.
-pub(crate) fn has_no_gap(kind: &'static EffectKind) -> bool {
+/// Whether a coupling is a shaft, whose bodies do not lose touch.
+pub(crate) fn is_shaft(kind: &'static EffectKind) -> bool {
     shaft(&Effect::new(kind, &[1.0; dynamics::MAX_PARAMETERS])).is_some()
 }
 
@@ -156,10 +156,9 @@ fn motion(shaft: &Coupling, delay_s: f64, capture: &Capture) -> KnobMotion {
 
 /// What rows pass behind a shaft: the response of an inertia on it, torque at the sensor over torque on the inertia, and what makes the noise
 /// of both sensors what it is without the shaft.
-#[allow(clippy::cast_precision_loss, reason = "a decimation")]
 fn response(shaft: &Coupling, inertia: f64, capture: &Capture) -> Response {
     let row_filter = &capture.row_filter;
-    let rate_hz = capture.rate_hz / row_filter.step as f64;
+    let rate_hz = capture.row_rate_hz();
     Response::new(row_filter.mask.len().div_ceil(row_filter.step), &|cycles| {
         let at = passed(shaft, inertia, cycles * rate_hz);
         at / noise_power(at, inertia, cycles * rate_hz, capture).sqrt()

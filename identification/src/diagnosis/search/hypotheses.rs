@@ -161,7 +161,7 @@ pub(crate) fn coupled<'a>(
     let effects: Vec<Effect> = grid.iter().map(|point| effect_at(kind, &hypothesis, point)).collect();
     // The skew that the structure needed without the coupling tells nothing.
     let unskewed = Structure { skew_s: 0.0, shaft_is_simulated: false, ..base.clone() };
-    if twist::has_no_gap(kind) {
+    if twist::is_shaft(kind) {
         let behind = twist::fitted(&effects, &hypothesis, &unskewed, train)?;
         // Of a higher resonance the band has the first rise only: next to noise, a sensor's own resonance makes as much.
         if scene.is_faint && !twist::resonates_in_band(&behind, train) {

@@ -139,7 +139,6 @@ impl Judged {
 }
 
 /// What a structure's freedom costs, nats.
-#[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
 fn cost(structure: &Structure, train: &Capture, heldout: &Capture) -> f64 {
     0.5 * structure.freedom() as f64 * (train.weight + heldout.weight).ln()
 }
@@ -152,7 +151,6 @@ pub(crate) fn p_value(before: &[f64], after: &[f64]) -> f64 {
     if gains.len() < FEWEST_DIFFERING {
         return 1.0;
     }
-    #[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
     student_above(mean_over_error(&gains), (gains.len() - 1) as f64)
 }
 

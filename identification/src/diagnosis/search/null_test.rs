@@ -39,12 +39,6 @@ pub(crate) fn rms_of_columns(
     median(&mut left)
 }
 
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a share of the rows"
-)]
 fn turned(columns: &[Vec<f64>], share: f64) -> Vec<Vec<f64>> {
     let turn = |column: &Vec<f64>| {
         let mut column = column.clone();

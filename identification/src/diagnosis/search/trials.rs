@@ -51,7 +51,7 @@ impl Search<'_> {
     pub(crate) fn try_replacements(&self, current: &Judged) -> Vec<Judged> {
         let mut tried = self.try_values(current);
         if !current.structure.is_coupled() {
-            let shafts = self.couplings(current).into_iter().filter(|kind| twist::has_no_gap(kind));
+            let shafts = self.couplings(current).into_iter().filter(|kind| twist::is_shaft(kind));
             tried.extend(shafts.filter_map(|kind| self.coupled(kind, current, Effort::Short)));
         }
         tried
@@ -119,46 +119,43 @@ impl Search<'_> {
 
     /// Tries couplings, which cost most, where nothing else explains what is left.
     fn try_couplings(&self, current: &Judged, found: &Found, tried: &mut Vec<Judged>) {
-        let is_open = |judged: &Judged| judged.most_over_floor() > hypotheses::CLOSED;
-        let qualifies = |judged: &Judged| self.disqualified(judged).is_none();
-        let closes = |judged: &Judged| !is_open(judged) && qualifies(judged);
-        // Close to the floor, its uncertainty exceeds what a gap leaves: a gap is always tried there.
+        // So close to the floor, its own uncertainty exceeds what backlash leaves: there couplings are tried whatever else may explain it.
         let is_faint = current.most_over_floor() < hypotheses::OPEN;
-        let closes_most = |judged: &Judged| {
-            !is_faint && (!is_open(judged) || explains_most_of_the_gap(judged, &found.chain[0])) && qualifies(judged)
+        let is_closed = |judged: &Judged| judged.most_over_floor() <= hypotheses::CLOSED;
+        let qualifies = |judged: &Judged| self.disqualified(judged).is_none();
+        let explains_all = |judged: &Judged| is_closed(judged) && qualifies(judged);
+        let explains_most = |judged: &Judged| {
+            (is_closed(judged) || explains_most_of_the_gap(judged, &found.chain[0])) && qualifies(judged)
         };
-        let is_closed = !is_open(current) || tried.iter().any(closes);
-        if is_closed && !is_faint {
+        if !is_faint && (is_closed(current) || tried.iter().any(explains_all)) {
             return;
         }
-        let all = self.couplings(current);
-        let of = self.candidates(&current.structure).len();
-        // A shaft is found without simulation.
-        let has_gap = |kind: &'static EffectKind| !twist::has_no_gap(kind);
-        let little_is_left = tried.iter().any(closes_most);
-        let mut first = all.clone();
-        first.retain(|kind| !has_gap(kind) || !little_is_left && !found.has_failed(kind));
+        let is_mostly_explained = !is_faint && tried.iter().any(explains_most);
         let effort = if is_faint { Effort::Fine } else { Effort::Full };
-        for (index, kind) in first.iter().enumerate() {
+        let of = self.candidates(&current.structure).len();
+        let mut couplings = self.couplings(current);
+        // A shaft is found without simulation.
+        couplings.retain(|kind| twist::is_shaft(kind) || !is_mostly_explained && !found.has_failed(kind));
+        for (index, kind) in couplings.iter().enumerate() {
             let judged = self.coupled(kind, current, effort);
-            self.say(Progress::Tried { effect: kind.name, done: of - first.len() + index + 1, of });
-            let closed = judged.as_ref().is_some_and(closes_most);
+            self.say(Progress::Tried { effect: kind.name, done: of - couplings.len() + index + 1, of });
+            let is_enough = !is_faint && judged.as_ref().is_some_and(explains_most);
             tried.extend(judged);
-            if closed {
+            if is_enough {
                 // The next coupling has more freedom and costs more.
                 return;
             }
         }
-        // A coupling that explains most, but not all, may have been fitted in a neighbouring valley, or be another one.
+        if is_faint || is_mostly_explained {
+            return;
+        }
         let best = tried.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
-        let explains = |best: &Judged| best.structure.is_coupled() && best.evidence > current.evidence + EVIDENCE;
-        if !little_is_left && !is_faint && best.is_some_and(explains) {
-            let is_shaft = |effect: &Effect| !has_gap(effect.kind());
-            tried.retain(|judged| {
-                !judged.structure.is_coupled() || judged.structure.effects.last().is_some_and(is_shaft)
-            });
-            let with_gap = all.iter().filter(|kind| has_gap(kind));
-            tried.extend(with_gap.filter_map(|kind| self.coupled(kind, current, Effort::Thorough)));
+        if best.is_some_and(|best| best.structure.is_coupled() && best.evidence > current.evidence + EVIDENCE) {
+            // It explains most, but not all: it may have been fitted in a neighbouring valley, or be another coupling.
+            let may_lose_touch = |effect: &Effect| is_coupling(effect.kind()) && !twist::is_shaft(effect.kind());
+            tried.retain(|judged| !judged.structure.effects.last().is_some_and(may_lose_touch));
+            let backlash = self.couplings(current).into_iter().filter(|kind| !twist::is_shaft(kind));
+            tried.extend(backlash.filter_map(|kind| self.coupled(kind, current, Effort::Thorough)));
         }
     }
 
@@ -261,7 +258,6 @@ impl Search<'_> {
         let bent = self.bent(current)?;
         let evidence = |squares: f64, freedom: usize| {
             let weight = self.train.weight;
-            #[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
             let cost = 0.5 * freedom as f64 * weight.ln();
             -0.5 * weight * squares.max(f64::MIN_POSITIVE).ln() - cost
         };

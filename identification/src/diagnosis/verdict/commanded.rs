@@ -85,7 +85,6 @@ fn motor(inertia: f64, capture: &Capture, commands_mnm: &[f64]) -> Option<RigMot
     let torque_mnm = capture.torque_mnm(0.0);
     let motions = capture.motions();
     let squares: f64 = motions.iter().map(|motion| motion.velocity_rad_s.powi(2)).sum();
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     let slow_rad_s = SLOW * (squares / motions.len() as f64).sqrt();
     // Normal equations of C·sgn(ω) + B·ω.
     let (mut count, mut speeds, mut speed_squares, mut frictions, mut friction_speeds) = (0.0, 0.0, 0.0, 0.0, 0.0);

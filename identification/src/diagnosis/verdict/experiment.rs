@@ -47,7 +47,6 @@ pub(crate) fn next(
                     squares += (difference + late).powi(2);
                 }
             }
-            #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
             let difference_rms_mnm = (squares / motions.len() as f64).sqrt();
             // Independent rows of noise, each with half the square of the difference over it.
             let rows = 2.0 * capture.band.edge_hz * DURATION_S;
@@ -81,7 +80,6 @@ pub(crate) fn next(
 
 /// The motion of an excitation; `None` if it is much faster than the knob was ever turned.
 fn motions(sweep: &Excitation, highest_speed_rad_s: f64) -> Option<Vec<Motion>> {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
     let samples = (DURATION_S * RATE_HZ) as u32;
     let motions: Vec<Motion> = (0..samples)
         .map(|index| {

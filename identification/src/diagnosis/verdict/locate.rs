@@ -77,7 +77,6 @@ pub(crate) fn locate(residual: &[f64], structure: &Structure, capture: &Capture)
 }
 
 /// The map over one coordinate, with what it predicts of stretches that it was not made from.
-#[allow(clippy::cast_precision_loss, reason = "numbers of rows")]
 fn mapped(coordinate: &'static str, unit: &'static str, at: &[f64], residual: &[f64]) -> Location {
     let bins = binned(at);
     let fold_length = residual.len().div_ceil(FOLDS).max(1);
@@ -117,9 +116,8 @@ fn mapped(coordinate: &'static str, unit: &'static str, at: &[f64], residual: &[
 }
 
 /// The residual over frequency: whether one line stands out of its neighbours, as a hum or a ringing does.
-#[allow(clippy::cast_precision_loss, reason = "numbers of rows")]
 fn spectrum(residual: &[f64], rows: &[(dynamics::Motion, f64)], capture: &Capture) -> Location {
-    let rate_hz = capture.rate_hz / capture.row_filter.step as f64;
+    let rate_hz = capture.row_rate_hz();
     let slid: Vec<f64> =
         residual.iter().zip(rows).map(|(value, (_, mask))| if *mask > 0.0 { *value } else { 0.0 }).collect();
     let lines = periodogram(&slid);

@@ -33,7 +33,6 @@ fn main() {
     }
 }
 
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of knobs")]
 fn inside(what: &str, drawn: impl Fn(u64, f64) -> (Model, Hand), knobs: f64, rate_hz: f64, cogging: &[Cogging]) {
     let Some(Firmness { gains, .. }) = passivity::firmness(rate_hz) else {
         println!("the rig renders nothing at {rate_hz} Hz");

@@ -53,7 +53,6 @@ impl Holding<'_> {
         let step_s = rate_hz.recip();
         let mut shaft = Shaft::new(self.calibration, knob_inertia);
         let mut before_rad = START_RAD;
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousand ticks")]
         let ticks = (STRETCH_S * rate_hz) as usize;
         let mut largest_rad = [0.0_f64; STRETCHES];
         for largest_rad in &mut largest_rad {
@@ -120,7 +119,6 @@ impl Shaft {
     fn turn(&mut self, command_mnm: f64, step_s: f64) {
         let substeps = (step_s / SUBSTEP_S).ceil();
         let substep_s = step_s / substeps;
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most some hundred")]
         for _ in 0..substeps as u32 {
             self.motor_mnm += substep_s / ACTUATOR_DELAY_S * (command_mnm - self.motor_mnm);
             let sensor_mnm = self.sensor_mnm();

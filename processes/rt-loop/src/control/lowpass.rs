@@ -19,7 +19,6 @@ impl<const SECTIONS: usize> ButterworthLowPass<SECTIONS> {
         let unity = Coefficients { a1: 0.0, a2: 0.0, b0: 1.0, b1: 0.0, b2: 0.0 };
         let mut sections = [DirectForm2Transposed::new(unity); SECTIONS];
         for (index, section) in sections.iter_mut().enumerate() {
-            #[allow(clippy::cast_precision_loss, reason = "a filter has a handful of sections")]
             let angle = (2 * index + 1) as f64 * std::f64::consts::PI / (4 * SECTIONS) as f64;
             let quality = 1.0 / (2.0 * angle.sin());
             let coefficients = Coefficients::from_params(Type::LowPass, rate, edge, quality).ok()?;

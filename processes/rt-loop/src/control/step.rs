@@ -539,7 +539,6 @@ impl ControlState {
         self.tick = 0;
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
     fn seconds(&self, ticks: u64) -> f64 {
         ticks as f64 / self.plan.rate_hz
     }

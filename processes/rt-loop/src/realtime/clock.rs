@@ -10,7 +10,6 @@ pub(super) fn wait_until(deadline_ns: u64, spin_ns: u64) -> u64 {
     let now = monotonic_time_ns();
     if now + spin_ns < deadline_ns {
         let wake_ns = deadline_ns - spin_ns;
-        #[allow(clippy::cast_possible_wrap, reason = "nanoseconds since boot fit in 63 bits for 292 years")]
         let wake = TimeSpec::new((wake_ns / 1_000_000_000) as i64, (wake_ns % 1_000_000_000) as i64);
         // An interrupted sleep only means a longer spin.
         let _ = clock_nanosleep(ClockId::CLOCK_MONOTONIC, ClockNanosleepFlags::TIMER_ABSTIME, &wake);

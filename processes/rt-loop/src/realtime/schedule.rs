@@ -45,7 +45,6 @@ pub struct Tick {
 impl Schedule {
     /// A schedule whose tick 0 is due in a millisecond.
     #[must_use]
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small, positive number")]
     pub fn starting_now(rate_hz: f64) -> Self {
         let period_ns = 1e9 / rate_hz;
         let spin_ns = LONGEST_SPIN_NS.min(SPIN_SHARE * period_ns) as u64;
@@ -68,28 +67,15 @@ impl Schedule {
     }
 
     /// Has the ticks from the next one on come so much later, ns, a tenth of a period at most either way.
-    #[allow(clippy::cast_possible_truncation, reason = "a share of a period")]
     pub fn shift(&mut self, later_ns: i64) {
         let most_ns = (LARGEST_SHIFT * self.period_ns) as i64;
         self.origin_ns = self.origin_ns.saturating_add_signed(later_ns.clamp(-most_ns, most_ns));
     }
 
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "ticks and their nanoseconds stay far below 2^53"
-    )]
     fn due_ns(&self, tick: u64) -> u64 {
         self.origin_ns + (tick as f64 * self.period_ns) as u64
     }
 
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "ticks and their nanoseconds stay far below 2^53"
-    )]
     fn newest_at(&self, now_ns: u64) -> u64 {
         (now_ns.saturating_sub(self.origin_ns) as f64 / self.period_ns) as u64
     }

@@ -27,7 +27,6 @@ const SECOND_ARGUMENT_AT: u32 = 24;
 /// The system's, where it does not permit it.
 pub(super) fn tell_own_calls() -> io::Result<RawFd> {
     let mut filter = program();
-    #[allow(clippy::cast_possible_truncation, reason = "a handful of instructions")]
     let program = libc::sock_fprog { len: filter.len() as u16, filter: filter.as_mut_ptr() };
     // SAFETY: the call takes plain numbers; it only takes rights away, from this thread.
     if unsafe { libc::prctl(libc::PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) } != 0 {
@@ -46,7 +45,6 @@ pub(super) fn tell_own_calls() -> io::Result<RawFd> {
 }
 
 /// Tells all calls but the sleep and the clock.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers of calls and clocks are small")]
 fn program() -> [libc::sock_filter; 9] {
     let load = |at| {
         // SAFETY: it only puts numbers into a struct.
@@ -123,7 +121,6 @@ impl Listener {
 
     /// Lets the call be made as if nobody had looked.
     pub(super) fn let_pass(&self, id: u64) {
-        #[allow(clippy::cast_possible_truncation, reason = "a flag of one bit")]
         let mut answer =
             libc::seccomp_notif_resp { id, val: 0, error: 0, flags: libc::SECCOMP_USER_NOTIF_FLAG_CONTINUE as u32 };
         // SAFETY: the kernel reads a live struct of the type that the request is defined with. A thread that was

@@ -271,7 +271,6 @@ impl TickLoop {
 }
 
 /// Ticks that a ring to the publisher holds.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive, small number")]
 fn ring_capacity(rate_hz: f64) -> usize {
     (RING_S * rate_hz) as usize
 }

@@ -40,7 +40,6 @@ pub(super) fn hand(asked: &HandRequest, axis: Axis, amplitude_rad: Option<f64>) 
 }
 
 /// Reads the columns `t_s` and `angle_rad` of a table of evenly spaced rows.
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 fn recorded_motion(path: &Path) -> Result<Intention, String> {
     let error = |what: &dyn std::fmt::Display| format!("{}: {what}", path.display());
     let file = foreign_files::open(path).map_err(|source| error(&source))?;

@@ -295,7 +295,6 @@ const FASTEST_RAD_S2: f64 = 1_000.0;
 const SPEEDS: u32 = 400;
 
 impl Demands {
-    #[allow(clippy::cast_possible_truncation, reason = "some ten thousand steps")]
     fn of(model: &Model) -> Self {
         let step_rad = LOOKED_AT_STEP_RAD * model.axis.fingertip_travel();
         let steps = (looked_at(model.axis) / step_rad) as i32;

@@ -70,13 +70,11 @@ impl HeldKnob {
     }
 
     /// Time of the next tick, s.
-    #[allow(clippy::cast_precision_loss, reason = "ticks of seconds")]
     pub fn time_s(&self) -> f64 {
         self.tick as f64 / self.rate_hz
     }
 
     /// One tick.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "nanoseconds of seconds")]
     pub fn step(&mut self) -> Rendered {
         let measurement = Measurement::from(self.rig.read((self.time_s() * 1e9).round() as u64).unwrap());
         let truth = self.rig.truth();
@@ -107,7 +105,6 @@ pub fn held_by_contact(model: &Model, ahead_rad: f64) -> f64 {
 }
 
 /// What detents and springs of a model hold at an angle beyond what they hold at zero, mNm·rad.
-#[allow(clippy::cast_possible_truncation, reason = "a small number of steps")]
 pub fn held_by_springs(model: &Model, angle_rad: f64) -> f64 {
     let steps = (angle_rad.abs() / 1e-4).ceil().max(1.0) as i32;
     let step_rad = angle_rad / f64::from(steps);

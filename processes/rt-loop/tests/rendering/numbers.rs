@@ -5,7 +5,6 @@ pub struct Numbers(pub u64);
 
 impl Numbers {
     /// The next one from 0 to 1.
-    #[allow(clippy::cast_precision_loss, reason = "53 bits")]
     pub fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut mixed = self.0;

@@ -47,7 +47,6 @@ pub fn random_two_bodies(numbers: &mut Numbers, least_inertia: f64, largest_iner
 }
 
 /// A hand of the class, or none: it moves about for `moves_s` and then wants to be where it is.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "some samples")]
 pub fn random_hand(numbers: &mut Numbers, moves_s: f64, lasts_s: f64) -> Hand {
     const RATE_HZ: f64 = 1_000.0;
     let grip = if numbers.unit() < 0.1 {

@@ -236,7 +236,6 @@ impl Controller {
     }
 
     /// Standard normal, as the sum of twelve uniform numbers.
-    #[allow(clippy::cast_precision_loss, reason = "32 bits")]
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| f64::from(self.noise.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0
     }

@@ -108,13 +108,11 @@ fn value(rest: &mut &[u8], kind: u8) -> Option<f64> {
     })
 }
 
-#[allow(clippy::cast_precision_loss, reason = "32 bits")]
 fn whole(value: i64, none: i64) -> f64 {
     if value == none { f64::NAN } else { value as f64 }
 }
 
 /// Appends the answer for a run of registers to a frame.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as the type that was asked for has it")]
 pub fn answer(frame: &mut Vec<u8>, kind: u8, first: u32, values: &[f64]) {
     frame.extend([0x20 | kind << 2, values.len() as u8]);
     append_number(frame, first);
@@ -128,7 +126,6 @@ pub fn answer(frame: &mut Vec<u8>, kind: u8, first: u32, values: &[f64]) {
     }
 }
 
-#[allow(clippy::cast_possible_truncation, reason = "seven bits at a time")]
 fn append_number(frame: &mut Vec<u8>, mut number: u32) {
     while number >= 0x80 {
         frame.push(number as u8 | 0x80);

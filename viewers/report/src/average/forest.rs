@@ -114,7 +114,6 @@ fn whisker(x: &impl Fn(f64) -> String, [low, high]: [f64; 2], value: f64, y: f64
 }
 
 /// Middle of a row, SVG units.
-#[allow(clippy::cast_precision_loss, reason = "a number of captures")]
 fn place(row: usize) -> f64 {
     (row as f64 + 0.5) * ROW
 }

@@ -71,7 +71,6 @@ pub(super) fn figures(compared: &Comparison, first: usize) -> (Markup, usize) {
 /// The torque that depends on the angle alone, over ± `reach_rad`.
 fn angle_curve(knob: &ComparedKnob, reach_rad: f64) -> Curve {
     let detents = detent_rad(knob).map_or(0.0, |detent_rad| 2.0 * reach_rad / detent_rad);
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few thousand points")]
     let points = ((POINTS_PER_DETENT * detents) as usize).clamp(FEWEST_POINTS, MOST_POINTS);
     (0..=points)
         .map(|step| reach_rad * (2.0 * real(step) / real(points) - 1.0))

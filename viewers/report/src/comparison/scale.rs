@@ -54,7 +54,6 @@ impl Scale {
     pub(super) fn ticks(&self) -> Vec<(f64, String)> {
         let Some([low, high]) = self.decades else { return self.axis.ticks(TICKS) };
         let steps: &[f64] = if high - low < FEW_DECADES { &[1.0, 2.0, 5.0] } else { &[1.0] };
-        #[allow(clippy::cast_possible_truncation, reason = "powers of ten of physical values")]
         let powers = low.floor() as i32..=high.ceil() as i32;
         powers
             .flat_map(|power| steps.iter().map(move |step| rounded(*step, power)))

@@ -57,7 +57,6 @@ pub(super) fn runs<'a>(
     let mut bins = vec![Bin::default(); count];
     for point in points {
         let share = if high > low { (of(point) - low) / (high - low) } else { 0.0 };
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of the number of bins")]
         let bin = &mut bins[((share * real(count)) as usize).min(count - 1)];
         bin.at += of(point);
         bin.model_mnm += point.torque_model_mnm;

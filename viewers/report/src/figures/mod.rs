@@ -133,7 +133,6 @@ pub(crate) fn rms(values: impl Iterator<Item = f64>) -> f64 {
     if count > 0.0 { f64::sqrt(sum / count) } else { 0.0 }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "counts of rows and bins are far below 2^52")]
 pub(crate) fn real(count: usize) -> f64 {
     count as f64
 }

@@ -66,7 +66,6 @@ pub(crate) fn histogram_figure(fit: &Fit, points: &[Point]) -> (Figure, Numbers)
     let mut counts = [0_usize; BARS];
     for point in points {
         let place = (point.residual_mnm + reach) / width;
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked to lie among the bars")]
         if (0.0..real(BARS)).contains(&place) {
             counts[place as usize] += 1;
         }

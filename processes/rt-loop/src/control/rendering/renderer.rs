@@ -122,7 +122,6 @@ impl Renderer {
 
     /// After a stall a body that slides goes on with the rotor, which nobody held meanwhile: the coupling would make up for
     /// the whole way at once. One that sticks stays where it is.
-    #[allow(clippy::cast_precision_loss, reason = "a stall is a small number of ticks")]
     fn catch_up(&mut self, elapsed_ticks: u64, velocity_rad_s: f64, step_s: f64) {
         if elapsed_ticks > 1 {
             self.knob.carry_on(velocity_rad_s * step_s * (elapsed_ticks - 1) as f64);

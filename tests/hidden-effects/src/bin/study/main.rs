@@ -7,7 +7,6 @@
 //! Captures and diagnoses stay in FOLDER, and captures that are there already are used again.
 
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program of the command line speaks to its user")]
-#![allow(clippy::cast_precision_loss, reason = "counts of captures are small")]
 
 mod diagnosis;
 mod tables;

@@ -64,7 +64,6 @@ fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
     values
 }
 
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place within a list")]
 fn quantile(sorted: &[f64], place: f64) -> f64 {
     let last = sorted.len().saturating_sub(1);
     sorted.get((place * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
