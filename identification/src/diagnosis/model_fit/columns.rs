@@ -98,6 +98,18 @@ impl Structure {
         rows.chunks(depth).map(<[_]>::to_vec).collect()
     }
 
+    /// The columns of the effect at an index at every sample that is compared, unfiltered.
+    pub(crate) fn columns_at_samples(&self, index: usize, capture: &Capture) -> Vec<Vec<f64>> {
+        let effect = &self.effects[index];
+        let Some(regressors) = effect.kind().regressors else { return Vec::new() };
+        let mut columns = vec![vec![0.0; capture.motion.len()]; self.columns[index]];
+        for (at, motion) in capture.motions().iter().enumerate().filter(|(at, _)| capture.row_filter.mask[*at] != 0.0) {
+            let row = filled(effect, regressors, motion);
+            columns.iter_mut().zip(row).for_each(|(column, value)| column[at] = value);
+        }
+        columns
+    }
+
     /// Rows of what friction on the load adds to the columns of the effect at an index, a load, by a factor at every sample.
     pub(crate) fn rubbing_rows(&self, index: usize, capture: &Capture, load_factor: &[f64]) -> Vec<Vec<f64>> {
         let effect = &self.effects[index];

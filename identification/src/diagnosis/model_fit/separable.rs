@@ -1,6 +1,7 @@
 //! The fit of a structure without coupling: coefficients are linear, the few searched parameters follow by Gauss–Newton.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use dynamics::{Effect, Part};
 
@@ -37,6 +38,8 @@ pub(crate) struct Separable<'a> {
     /// Rows of each effect's columns.
     rows: Vec<Vec<Vec<f64>>>,
     products: Vec<Product>,
+    /// Columns at every sample of each effect of the load, by its index; none where no friction grows with the load.
+    loads: Vec<(usize, Arc<Vec<Vec<f64>>>)>,
     target: Vec<f64>,
     pub(crate) coefficients: Vec<f64>,
     pub(crate) residual: Vec<f64>,
@@ -48,7 +51,8 @@ impl<'a> Separable<'a> {
         let rows = (0..structure.effects.len()).map(|index| capture.rows_of(&structure, index)).collect();
         let products = products(&structure, |friction, factor| structure.product_rows(friction, factor, capture));
         let nothing = vec![0.0; structure.nonnegative().len()];
-        Self::solved(capture, structure, rows, products, nothing)
+        let loads = loads(&structure, capture, &[]);
+        Self::solved(capture, structure, rows, products, loads, nothing)
     }
 
     /// The fit with one effect more, of which the first `columns` take part.
@@ -69,7 +73,8 @@ impl<'a> Separable<'a> {
         });
         let mut coefficients = self.coefficients.clone();
         coefficients.resize(structure.nonnegative().len(), 0.0);
-        Self::solved(self.capture, structure, rows, products, coefficients)
+        let loads = loads(&structure, self.capture, &self.loads);
+        Self::solved(self.capture, structure, rows, products, loads, coefficients)
     }
 
     fn solved(
@@ -77,10 +82,11 @@ impl<'a> Separable<'a> {
         structure: Structure,
         rows: Vec<Vec<Vec<f64>>>,
         products: Vec<Product>,
+        loads: Vec<(usize, Arc<Vec<Vec<f64>>>)>,
         coefficients: Vec<f64>,
     ) -> Self {
         let target = capture.target(structure.delay_s());
-        let mut fit = Self { capture, structure, rows, products, target, coefficients, residual: Vec::new() };
+        let mut fit = Self { capture, structure, rows, products, loads, target, coefficients, residual: Vec::new() };
         fit.solve();
         fit
     }
@@ -164,10 +170,23 @@ impl<'a> Separable<'a> {
             self.rows[factor] = self.factor_rows(factor, &coefficients);
         }
         for index in self.structure.load_frictions() {
-            self.rows[index] = self.rows_of(index);
+            self.rows[index] = self.load_rows(&coefficients);
         }
         self.residual = residual(&self.columns(), &self.target, &coefficients);
         self.coefficients = coefficients;
+    }
+
+    /// Rows of the load against the motion.
+    fn load_rows(&self, coefficients: &[f64]) -> Vec<Vec<f64>> {
+        let (capture, ranges) = (self.capture, self.structure.ranges());
+        let mut load_mnm = vec![0.0; capture.motion.len()];
+        for (index, columns) in &self.loads {
+            for (coefficient, column) in coefficients[ranges[*index].clone()].iter().zip(columns.iter()) {
+                subtract(&mut load_mnm, -coefficient, column);
+            }
+        }
+        let against = load_mnm.iter().zip(capture.motions()).map(|(load, motion)| motion.velocity_sign() * load.abs());
+        vec![capture.row_filter.rows(&against.collect::<Vec<_>>())]
     }
 
     /// Rows of a factor's columns: all that rubs, multiplied by them.
@@ -226,6 +245,8 @@ impl<'a> Separable<'a> {
         for index in &changed {
             self.rows[*index] = self.rows_of(*index);
         }
+        self.loads.retain(|(index, _)| !changed.contains(index));
+        self.loads = loads(&self.structure, self.capture, &self.loads);
         for product in &mut self.products {
             if [product.friction, product.factor].iter().any(|index| changed.contains(index)) {
                 product.rows = self.structure.product_rows(product.friction, product.factor, self.capture);
@@ -357,6 +378,23 @@ fn products(structure: &Structure, rows: impl Fn(usize, usize) -> Vec<Vec<Vec<f6
         .flat_map(|friction| factors.iter().map(move |factor| (friction, *factor)))
         .map(|(friction, factor)| Product { friction, factor, rows: rows(friction, factor) })
         .collect()
+}
+
+/// The columns at every sample of each effect of the load, those that are known taken over; none where no friction grows with the load.
+fn loads(
+    structure: &Structure,
+    capture: &Capture,
+    known: &[(usize, Arc<Vec<Vec<f64>>>)],
+) -> Vec<(usize, Arc<Vec<Vec<f64>>>)> {
+    if structure.load_frictions().is_empty() {
+        return Vec::new();
+    }
+    let of_the_load = (0..structure.effects.len()).filter(|index| structure.effects[*index].kind().is_of_the_load());
+    let columns = |index: usize| match known.iter().find(|(known, _)| *known == index) {
+        Some((_, columns)) => columns.clone(),
+        None => Arc::new(structure.columns_at_samples(index, capture)),
+    };
+    of_the_load.map(|index| (index, columns(index))).collect()
 }
 
 /// Effects whose columns differ between two structures of the same effects.
