@@ -48,7 +48,7 @@ pub(crate) struct Separable<'a> {
 impl<'a> Separable<'a> {
     /// The structure with its linear coefficients fitted to the capture.
     pub(crate) fn new(structure: Structure, capture: &'a Capture) -> Self {
-        let rows = (0..structure.effects.len()).map(|index| capture.rows_of(&structure, index)).collect();
+        let rows = (0..structure.effects.len()).map(|index| rows(&structure, index, capture)).collect();
         let products = products(&structure, |friction, factor| structure.product_rows(friction, factor, capture));
         let nothing = vec![0.0; structure.nonnegative().len()];
         let loads = loads(&structure, capture, &[]);
@@ -59,11 +59,11 @@ impl<'a> Separable<'a> {
     pub(crate) fn with(&self, effect: Effect, columns: usize) -> Self {
         let structure = self.structure.with(effect, columns);
         let same_bristles = structure.bristles() == self.structure.bristles();
-        let rows = |index: usize| match self.rows.get(index) {
+        let each = |index: usize| match self.rows.get(index) {
             Some(rows) if same_bristles || !structure.depends_on_others(index) => rows.clone(),
-            _ => self.capture.rows_of(&structure, index),
+            _ => rows(&structure, index, self.capture),
         };
-        let rows = (0..structure.effects.len()).map(rows).collect();
+        let rows = (0..structure.effects.len()).map(each).collect();
         let known = |friction, factor| {
             let is = |product: &&Product| product.friction == friction && product.factor == factor;
             self.products.iter().find(is).filter(|_| same_bristles).map(|product| product.rows.clone())
@@ -128,10 +128,6 @@ impl<'a> Separable<'a> {
     /// All columns' rows.
     pub(crate) fn columns(&self) -> Vec<&[f64]> {
         self.rows.iter().flatten().map(Vec::as_slice).collect()
-    }
-
-    fn rows_of(&self, index: usize) -> Vec<Vec<f64>> {
-        self.capture.rows_of(&self.structure, index)
     }
 
     /// Solves for the coefficients.
@@ -243,7 +239,7 @@ impl<'a> Separable<'a> {
         }
         let changed = changed(&before, &self.structure);
         for index in &changed {
-            self.rows[*index] = self.rows_of(*index);
+            self.rows[*index] = rows(&self.structure, *index, self.capture);
         }
         self.loads.retain(|(index, _)| !changed.contains(index));
         self.loads = loads(&self.structure, self.capture, &self.loads);
@@ -378,6 +374,14 @@ fn products(structure: &Structure, rows: impl Fn(usize, usize) -> Vec<Vec<Vec<f6
         .flat_map(|friction| factors.iter().map(move |factor| (friction, *factor)))
         .map(|(friction, factor)| Product { friction, factor, rows: rows(friction, factor) })
         .collect()
+}
+
+/// Rows of an effect's columns; empty for the friction of the load, whose rows follow from the coefficients.
+fn rows(structure: &Structure, index: usize, capture: &Capture) -> Vec<Vec<f64>> {
+    match structure.effects[index].kind().part {
+        Part::LoadFriction(_) => vec![Vec::new()],
+        _ => capture.rows_of(structure, index),
+    }
 }
 
 /// The columns at every sample of each effect of the load, those that are known taken over; none where no friction grows with the load.
