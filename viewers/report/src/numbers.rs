@@ -120,8 +120,7 @@ fn order(value: f64) -> i32 {
     if value == 0.0 || !value.is_finite() {
         return 0;
     }
-    let order = value.abs().log10().floor() as i32;
-    order
+    value.abs().log10().floor() as i32
 }
 
 fn superscript(number: i32) -> String {
