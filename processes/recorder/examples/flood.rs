@@ -3,12 +3,7 @@
 //! Blocks go out full, evenly in time, through the same service with the same queue as the control loop's. Prints how
 //! many samples a second were really sent, on average from the first to the last.
 
-#![allow(
-    clippy::print_stdout,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a measurement prints its figures; rates and times are small, positive numbers"
-)]
+#![allow(clippy::print_stdout, reason = "a measurement prints its figures")]
 
 use std::time::Duration;
 

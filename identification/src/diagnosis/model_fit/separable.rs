@@ -31,6 +31,9 @@ struct Product {
     rows: Vec<Vec<Vec<f64>>>,
 }
 
+/// Columns at every sample of each effect of the load, by its index; none where no friction grows with the load.
+type Loads = Vec<(usize, Arc<Vec<Vec<f64>>>)>;
+
 /// A structure in one capture: its rows, made anew only where a value changed.
 pub(crate) struct Separable<'a> {
     pub(crate) capture: &'a Capture,
@@ -38,8 +41,7 @@ pub(crate) struct Separable<'a> {
     /// Rows of each effect's columns.
     rows: Vec<Vec<Vec<f64>>>,
     products: Vec<Product>,
-    /// Columns at every sample of each effect of the load, by its index; none where no friction grows with the load.
-    loads: Vec<(usize, Arc<Vec<Vec<f64>>>)>,
+    loads: Loads,
     target: Vec<f64>,
     pub(crate) coefficients: Vec<f64>,
     pub(crate) residual: Vec<f64>,
@@ -51,7 +53,7 @@ impl<'a> Separable<'a> {
         let rows = (0..structure.effects.len()).map(|index| rows(&structure, index, capture)).collect();
         let products = products(&structure, |friction, factor| structure.product_rows(friction, factor, capture));
         let nothing = vec![0.0; structure.nonnegative().len()];
-        let loads = loads(&structure, capture, &[]);
+        let loads = loads(&structure, capture, &Loads::new());
         Self::solved(capture, structure, rows, products, loads, nothing)
     }
 
@@ -82,7 +84,7 @@ impl<'a> Separable<'a> {
         structure: Structure,
         rows: Vec<Vec<Vec<f64>>>,
         products: Vec<Product>,
-        loads: Vec<(usize, Arc<Vec<Vec<f64>>>)>,
+        loads: Loads,
         coefficients: Vec<f64>,
     ) -> Self {
         let target = capture.target(structure.delay_s());
@@ -384,12 +386,8 @@ fn rows(structure: &Structure, index: usize, capture: &Capture) -> Vec<Vec<f64>>
     }
 }
 
-/// The columns at every sample of each effect of the load, those that are known taken over; none where no friction grows with the load.
-fn loads(
-    structure: &Structure,
-    capture: &Capture,
-    known: &[(usize, Arc<Vec<Vec<f64>>>)],
-) -> Vec<(usize, Arc<Vec<Vec<f64>>>)> {
+/// The loads of a structure, those that are known taken over.
+fn loads(structure: &Structure, capture: &Capture, known: &Loads) -> Loads {
     if structure.load_frictions().is_empty() {
         return Vec::new();
     }
