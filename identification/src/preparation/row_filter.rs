@@ -68,6 +68,9 @@ impl RowFilter {
     /// The row filter of the samples that the mask leaves out for nothing but the filters' reach to where the knob turns round without
     /// a rest; `None` if there are none.
     pub(crate) fn next_to_standstill(&self, uniform: &Uniform, motion: &KnobMotion) -> Option<Self> {
+        if motion.exact {
+            return None;
+        }
         let guard = samples(GUARD_S, self.rate_hz);
         let is_rest = |run: usize| run > motion.reach;
         let mut mask =
@@ -172,12 +175,13 @@ fn blank_runs<T>(mask: &mut [f64], samples: &[T], left_out: impl Fn(&T) -> bool,
 
 /// Lets the mask rise as a squared sine over `length` samples from where it was zero.
 fn fade(mask: &mut [f64], length: usize) {
-    let rise = |since: usize| (0.5 * PI * (since as f64 / (length + 1) as f64)).sin().powi(2);
+    let rise: Vec<f64> =
+        (0..=length).map(|since| (0.5 * PI * (since as f64 / (length + 1) as f64)).sin().powi(2)).collect();
     let sweep = |mask: &mut dyn Iterator<Item = &mut f64>| {
-        let mut since = length + 1;
+        let mut since = rise.len();
         for value in mask {
-            since = if *value == 0.0 { 0 } else { (since + 1).min(length + 1) };
-            *value = value.min(rise(since));
+            since = if *value == 0.0 { 0 } else { since + 1 };
+            *value = rise.get(since).map_or(*value, |rise| value.min(*rise));
         }
     };
     sweep(&mut mask.iter_mut());

@@ -66,9 +66,15 @@ fn readings(signal: &[f64], step: f64) -> Option<(Between, Vec<usize>)> {
 /// The places where `differences` are not nothing, if those lie regularly apart.
 fn regular(differences: &[f64]) -> Option<Vec<usize>> {
     let mut sizes: Vec<f64> = differences.iter().map(|difference| difference.abs()).collect();
+    let too_many = |places: usize| (differences.len() as f64) < LEAST_DISTANCE * places as f64;
+    // The largest one shows faster than a quantile that a channel changes everywhere, as most do.
+    let (_, largest) = vector::extent(&sizes)?;
+    if too_many(sizes.iter().filter(|size| **size > ROUNDING * largest).count()) {
+        return None;
+    }
     let nothing = ROUNDING * quantile(&mut sizes, 0.99);
     let places: Vec<usize> = (0..differences.len()).filter(|place| differences[*place].abs() > nothing).collect();
-    if places.len() < FEWEST_READINGS || (differences.len() as f64) < LEAST_DISTANCE * places.len() as f64 {
+    if places.len() < FEWEST_READINGS || too_many(places.len()) {
         return None;
     }
     let distances: Vec<usize> = places.windows(2).map(|pair| pair[1] - pair[0]).collect();
