@@ -248,13 +248,7 @@ pub(crate) fn measure(
         Some((criterion, splines, columns, solution))
     });
     let (_, splines, columns, solution) = fitted.min_by(|one, other| one.0.total_cmp(&other.0))?;
-    let mut covariance = solution.robust_of_many(&columns);
-    // A point that few passes show has few scores to tell its variance by, of which the fit took a good part: it is not known better than if
-    // the residual were noise of one size.
-    let even = solution.textbook_covariance();
-    for place in base.len()..columns.len() {
-        covariance[(place, place)] = covariance[(place, place)].max(even[(place, place)]);
-    }
+    let covariance = solution.robust_of_points(&columns, base.len());
     let mut first = base.len();
     let (mut effects, mut curves) = (Vec::new(), Vec::new());
     for spline in &splines {

@@ -217,11 +217,19 @@ impl LeastSquares {
         robust
     }
 
-    /// The same of many columns, enlarged by the rows over those that the fit left: what [`Self::robust`] looks at in the columns
-    /// instead grows with the fourth power of their number.
-    pub(crate) fn robust_of_many<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> DMatrix<f64> {
+    /// The same where the columns from `first` on are the points of curves, many of them: enlarged by the rows over those that the fit left,
+    /// since what [`Self::robust`] looks at in the columns instead grows with the fourth power of their number.
+    ///
+    /// A point that few passes show has few scores to tell its variance by, of which the fit took a good part: it is not known better than if
+    /// the residual were noise of one size.
+    pub(crate) fn robust_of_points<C: Deref<Target = [f64]>>(&self, columns: &[C], first: usize) -> DMatrix<f64> {
         let (middle, _) = long_run::covariance(&self.scores(columns));
-        &self.inverse * middle * &self.inverse * (self.residual.len() as f64 / self.freedom())
+        let mut robust = &self.inverse * middle * &self.inverse * (self.residual.len() as f64 / self.freedom());
+        let even = self.textbook_covariance();
+        for place in first..columns.len() {
+            robust[(place, place)] = robust[(place, place)].max(even[(place, place)]);
+        }
+        robust
     }
 
     /// Standard deviation of one coefficient, estimated likewise from the one series that it depends on.

@@ -16,7 +16,7 @@ use crate::diagnosis::search::{Found, Search};
 use crate::diagnosis::verdict::LEFT;
 use crate::regression::characteristic::{CharacteristicPoint, Spline, holds};
 use crate::regression::least_squares::LeastSquares;
-use crate::uncertainty::statistics::{false_discovery_rate, student_95};
+use crate::uncertainty::statistics::{NORMAL_95, false_discovery_rate};
 
 /// Points of a spline that are tried: a scratch over a twentieth of the travel needs many.
 const POINTS: [u16; 4] = [8, 16, 32, 64];
@@ -157,13 +157,12 @@ fn torques_mnm(spline: &Spline, present: &Separable<'_>, capture: &Capture) -> V
 /// The points of a fitted spline with their intervals, the other effects being as they are.
 fn points(spline: &Spline, judged: &Judged, rows: &[Vec<f64>]) -> Vec<CharacteristicPoint> {
     let solved = LeastSquares::solve(rows, &judged.train_residual);
-    let covariance = solved.robust(rows);
-    let critical = student_95(covariance.degrees_of_freedom);
+    let covariance = solved.robust_of_points(rows, 0);
     let effect = judged.structure.effects.last();
     let table = effect.and_then(|effect| Some((effect.values()[0], effect.table()?)));
     let point = |(index, at): (usize, &f64)| {
         let torque_mnm = table.map_or(0.0, |(scale, table)| scale * table.points_mnm()[index]);
-        let half = critical * covariance.matrix[(index, index)].sqrt();
+        let half = NORMAL_95 * covariance[(index, index)].sqrt();
         let known = !solved.collinear[index] && half.is_finite();
         CharacteristicPoint { at: *at, torque_mnm, ci95: known.then_some([torque_mnm - half, torque_mnm + half]) }
     };

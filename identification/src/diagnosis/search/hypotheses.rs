@@ -56,18 +56,18 @@ pub(crate) fn separable<'a>(kind: &'static EffectKind, base: &Separable<'a>, hel
     let train = base.capture;
     let hypothesis = kind.hypothesis?;
     let grid = grid(kind, &hypothesis, &train.scene_of(&base.structure))?;
-    let mut starts: Vec<(f64, Effect)> = Vec::new();
     let width = hypothesis.nested.last().copied().unwrap_or(kind.columns_of_a_line());
     let coarse = (grid.len() > 1 && pointwise(kind)).then(|| Coarse::of(base));
-    for point in grid {
-        let effect = effect_at(kind, &hypothesis, &point);
+    let starts = grid.par_iter().map(|point| {
+        let effect = effect_at(kind, &hypothesis, point);
         let gain = match (&coarse, kind.part) {
             (Some(coarse), _) => coarse.gain(&effect),
             (None, Part::ReadingDelay(delay)) => base.squares() - base.squares_if_late(delay(effect.values())),
             _ => base.squares() - base.with(effect, width).squares(),
         };
-        starts.push((gain, effect));
-    }
+        (gain, effect)
+    });
+    let mut starts: Vec<(f64, Effect)> = starts.collect();
     starts.sort_by(|a, b| b.0.total_cmp(&a.0));
     starts.truncate(REFINED);
     let refined = starts.into_iter().map(|(_, effect)| {
@@ -259,7 +259,7 @@ pub(crate) fn with_coupling(
         }
         let starts = grid(kind, &hypothesis, &scene).unwrap_or_default();
         let best = starts
-            .iter()
+            .par_iter()
             .map(|point| {
                 let mut effect = effect_at(kind, &hypothesis, point);
                 (coarse.gain_into(&mut effect), effect)
@@ -268,7 +268,8 @@ pub(crate) fn with_coupling(
         promising.extend(best.map(|(gain, effect)| (gain, base.with(effect, width))));
     }
     promising.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let fits = promising.into_iter().take(PROMISING).map(|(_, structure)| {
+    promising.truncate(PROMISING);
+    let fits = promising.into_par_iter().map(|(_, structure)| {
         let mut fit = Nonlinear::new(structure, train);
         fit.refine();
         let judged = Judged::nonlinear(&fit, train, heldout);

@@ -211,7 +211,8 @@ impl Search<'_> {
             let errors = simulate::forward_windows(&model, 0.0, motions, &readings_mnm, FORWARD_WINDOW_S).ok()?;
             errors.angle_rms_rad.is_finite().then_some(errors.angle_rms_rad)
         };
-        Some([predicted(first)?, predicted(last)?])
+        let (first, last) = rayon::join(|| predicted(first), || predicted(last));
+        Some([first?, last?])
     }
 
     fn relative_error_percent(&self, judged: &Judged) -> f64 {
