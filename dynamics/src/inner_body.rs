@@ -101,6 +101,17 @@ impl<'model> InnerBody<'model> {
         }
     }
 
+    /// An inner body that turns with its cap, a shaft between them being twisted by a torque; where in a gap a body begins no torque shows, so it
+    /// rests in the middle.
+    pub(crate) fn under(knob: &'model Model, coupling: Coupling, cap: &Motion, torque_mnm: f64) -> Self {
+        let body = Self::at_rest(knob, coupling, cap.angle_rad);
+        if coupling.half_gap_rad > 0.0 {
+            return body;
+        }
+        let angle_rad = cap.angle_rad - torque_mnm / coupling.stiffness_mnm_rad;
+        Self { angle_rad, velocity_rad_s: cap.velocity_rad_s, ..body }
+    }
+
     pub(crate) fn at_resolution(self, resolution: Resolution) -> Self {
         let largest_phase_rad = if resolution == Resolution::Full { PHASE } else { SLOW_PHASE };
         Self { largest_phase_rad, ..self }

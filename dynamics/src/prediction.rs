@@ -71,22 +71,31 @@ impl Model {
     #[must_use]
     pub fn readings_mnm(&self, motions: &[Motion]) -> Vec<f64> {
         if let Some(coupling) = self.coupling() {
-            let [readings_mnm] = Self::coupled_mnm([self], [coupling], motions, Resolution::Full);
+            let at_rest = |first: &Motion| [InnerBody::at_rest(self, coupling, first.angle_rad)];
+            let [readings_mnm] = Self::coupled_mnm([self], motions, Resolution::Full, at_rest);
             return readings_mnm;
         }
         let mut reader = TorqueReader::of(self);
         motions.iter().map(|motion| reader.read_mnm(motion)).collect()
     }
 
-    /// [`Model::readings_mnm`] of several models, sooner than of one after the other if they have an inner body.
+    /// [`Model::readings_mnm`] of several models that follow a measurement, sooner than of one after the other if they have an inner body.
+    ///
+    /// The first measured reading, `first_mnm`, shows how far a shaft was twisted then.
     #[must_use]
     pub fn readings_of_mnm<const MODELS: usize>(
         models: [&Self; MODELS],
         motions: &[Motion],
+        first_mnm: f64,
         resolution: Resolution,
     ) -> [Vec<f64>; MODELS] {
         match all(models.map(Self::coupling)) {
-            Some(couplings) => Self::coupled_mnm(models, couplings, motions, resolution),
+            Some(couplings) => Self::coupled_mnm(models, motions, resolution, |first| {
+                std::array::from_fn(|index| {
+                    let torque_mnm = first_mnm - models[index].misreading_mnm(first);
+                    InnerBody::under(models[index], couplings[index], first, torque_mnm)
+                })
+            }),
             None => models.map(|model| model.readings_mnm(motions)),
         }
     }
@@ -150,17 +159,15 @@ impl Model {
         })
     }
 
-    fn coupled_mnm<const MODELS: usize>(
-        models: [&Self; MODELS],
-        couplings: [Coupling; MODELS],
+    fn coupled_mnm<'model, const MODELS: usize>(
+        models: [&'model Self; MODELS],
         motions: &[Motion],
         resolution: Resolution,
+        bodies: impl Fn(&Motion) -> [InnerBody<'model>; MODELS],
     ) -> [Vec<f64>; MODELS] {
         let mut readings_mnm = [(); MODELS].map(|()| Vec::with_capacity(motions.len()));
         let Some(first) = motions.first() else { return readings_mnm };
-        let mut bodies: [InnerBody<'_>; MODELS] = std::array::from_fn(|index| {
-            InnerBody::at_rest(models[index], couplings[index], first.angle_rad).at_resolution(resolution)
-        });
+        let mut bodies = bodies(first).map(|body| body.at_resolution(resolution));
         let step = if let Resolution::Slow(step) = resolution { step.max(1) } else { 1 };
         let mut before = first;
         let mut torques_mnm = bodies.each_ref().map(|body| body.torque_mnm(first));

@@ -361,15 +361,17 @@ fn residuals(structures: &[&Structure], capture: &Capture, resolution: Resolutio
         });
         return unwound.collect();
     }
+    let first_mnm = capture.torques(0.0)[0].first().copied().unwrap_or(0.0);
     let models: Vec<Model> = structures.iter().map(|structure| structure.model()).collect();
     let readings_mnm = models.chunks(TOGETHER).flat_map(|models| match models {
         [first, second, third] => {
-            Model::readings_of_mnm([first, second, third], capture.motions(), resolution).to_vec()
+            Model::readings_of_mnm([first, second, third], capture.motions(), first_mnm, resolution).to_vec()
         }
-        [first, second] => Model::readings_of_mnm([first, second], capture.motions(), resolution).to_vec(),
-        others => {
-            others.iter().flat_map(|model| Model::readings_of_mnm([model], capture.motions(), resolution)).collect()
-        }
+        [first, second] => Model::readings_of_mnm([first, second], capture.motions(), first_mnm, resolution).to_vec(),
+        others => others
+            .iter()
+            .flat_map(|model| Model::readings_of_mnm([model], capture.motions(), first_mnm, resolution))
+            .collect(),
     });
     // Hardly any two differ in their delay.
     let mut target: Option<(f64, Vec<f64>)> = None;

@@ -16,7 +16,7 @@ const CHANCE: f64 = 0.05;
 /// RMS in floors up to which a residual may be taken for noise.
 pub(crate) const MOSTLY_NOISE: f64 = 3.0;
 /// Share of the gap's amplitude up to which nothing more is looked for.
-const UNEXPLAINED: f64 = 0.06;
+pub(crate) const UNEXPLAINED: f64 = 0.06;
 /// Share of it that a complete explanation may leave, since a contact is never quite as its model has it, and up to which a coupling is not
 /// tried.
 pub(crate) const MOSTLY_EXPLAINED: f64 = 0.15;

@@ -14,9 +14,7 @@ use crate::diagnosis::findings::{Diagnosis, Rival, Step, Value, Verdict};
 use crate::diagnosis::model_fit::intervals;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::unequal;
-use crate::diagnosis::search::acceptance::{
-    MOSTLY_EXPLAINED, MOSTLY_NOISE, explains_the_gap, takes_its_part, worthwhile,
-};
+use crate::diagnosis::search::acceptance::{MOSTLY_EXPLAINED, MOSTLY_NOISE, UNEXPLAINED, takes_its_part, worthwhile};
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::{Found, Search};
 use crate::fit::report::one_sided_friction;
@@ -71,7 +69,7 @@ impl Search<'_> {
         let shaped = locations.iter().any(|location| location.significant);
         let is_left = unexplained > MOSTLY_EXPLAINED
             && (left > LEFT && (shaped || left > CERTAINLY_LEFT) || last.heldout_over_floor() > MOSTLY_NOISE);
-        if is_left || found.in_part && !explains_the_gap(last, first) {
+        if is_left || found.in_part && unexplained > UNEXPLAINED {
             Verdict::OutsideLibrary
         } else if found.rivals.is_empty() {
             Verdict::None
