@@ -41,31 +41,25 @@ impl Structure {
                 }
             })
         };
-        let Some(regressors) = effect.kind().regressors else {
-            if let Part::Bristles(bristles) = effect.kind().part {
+        match (effect.kind().part, effect.kind().regressors) {
+            (Part::Bristles(bristles), _) => {
                 let deflections = deflections(bristles(effect.values()), motion);
-                return each(&|at, row| row[0] = Bristles::bending_rad_s(deflections[at], motion.velocity_rad_s[at]));
+                each(&|at, row| row[0] = Bristles::bending_rad_s(deflections[at], motion.velocity_rad_s[at]))
             }
-            if let Part::LoadFriction(_) = effect.kind().part {
+            (Part::LoadFriction(_), _) => {
                 let model = self.model();
-                return each(&|at, row| {
+                each(&|at, row| {
                     let now = motion.at(at);
                     row[0] = now.velocity_sign() * model.load_mnm(&now).abs();
-                });
+                })
             }
-            return Vec::new();
-        };
-        let all = |motion: &Motion| filled(effect, regressors, motion);
-        match effect.kind().part {
-            Part::Friction(_) | Part::FrictionTable(_) => {
-                let columns = self.friction_columns(effect, regressors, motion, false);
-                each(&columns)
+            (Part::Friction(_) | Part::FrictionTable(_), Some(regressors)) => {
+                each(&self.friction_columns(effect, regressors, motion, false))
             }
-            Part::CoulombFactor(_) | Part::FrictionFactor(_) => {
-                let coulomb_only = matches!(effect.kind().part, Part::CoulombFactor(_));
-                let friction_mnm = self.friction_mnm(motion, coulomb_only);
+            (part @ (Part::CoulombFactor(_) | Part::FrictionFactor(_)), Some(regressors)) => {
+                let friction_mnm = self.friction_mnm(motion, matches!(part, Part::CoulombFactor(_)));
                 each(&|at, row| {
-                    let (friction_mnm, factors) = (friction_mnm(at), all(&motion.at(at)));
+                    let (friction_mnm, factors) = (friction_mnm(at), filled(effect, regressors, &motion.at(at)));
                     row.iter_mut().zip(factors).for_each(|(slot, factor)| *slot = friction_mnm * factor);
                 })
             }
@@ -108,20 +102,6 @@ impl Structure {
             columns.iter_mut().zip(row).for_each(|(column, value)| column[at] = value);
         }
         columns
-    }
-
-    /// Rows of what friction on the load adds to the columns of the effect at an index, a load, by a factor at every sample.
-    pub(crate) fn rubbing_rows(&self, index: usize, capture: &Capture, load_factor: &[f64]) -> Vec<Vec<f64>> {
-        let effect = &self.effects[index];
-        let Some(regressors) = effect.kind().regressors.filter(|_| effect.kind().is_of_the_load()) else {
-            return Vec::new();
-        };
-        capture.row_filter.rows_of(self.columns[index], |range, columns| {
-            for (place, at) in range.enumerate() {
-                let row = filled(effect, regressors, &capture.motion.at(at));
-                columns.iter_mut().zip(row).for_each(|(column, value)| column[place] = load_factor[at] * value);
-            }
-        })
     }
 
     /// By how much friction that grows with the load adds to the torques of the load, as a share of them, at every sample; `None` without such

@@ -71,10 +71,7 @@ fn fitted_anew(structure: &Structure, capture: &Capture, start: impl Fn(Lobes) -
     let (fitted, _) = fitted(start(Lobes::of(&structure.effects[index])?), structure, index, capture)?;
     // It keeps its place among the effects.
     let (effect, columns) = (*fitted.effects.last()?, *fitted.columns.last()?);
-    let mut refined = fitted.without(fitted.effects.len() - 1);
-    refined.effects.insert(index, effect);
-    refined.columns.insert(index, columns);
-    Some(refined)
+    Some(fitted.without(fitted.effects.len() - 1).with_at(index, effect, columns))
 }
 
 /// The structure with lobes in the place of the detents at an index, fitted from where they are, and the sum of squares that it leaves.
