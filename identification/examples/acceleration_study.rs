@@ -74,7 +74,8 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// The encoder alone and both sensors, on a simulated rig; the angle is recorded in steps of `recorded_step_rad`, if that is coarser than the rig's own.
+/// The encoder alone and both sensors, on a simulated rig; the angle is recorded in steps of `recorded_step_rad`, if that is coarser than
+/// the rig's own.
 fn sensors(
     title: &str,
     rig: &RigParameters,

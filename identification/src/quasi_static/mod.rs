@@ -69,8 +69,8 @@ pub(crate) fn fit(samples: &Samples<'_>, options: &FitOptions) -> Option<Fit> {
 }
 
 impl Map {
-    /// Of checked samples; `None` if the knob did not wander slowly through its travel. Those of a curve have no duration that would
-    /// make them too fast.
+    /// The map of checked samples; `None` if the knob did not wander slowly through its travel. A curve has no duration, so that it is never
+    /// too fast.
     pub(crate) fn of(samples: &Samples<'_>, is_curve: bool) -> Option<Self> {
         let saturation = Saturation::of(samples.torque_mnm);
         let step = smallest_step(samples.angle_rad);

@@ -149,7 +149,7 @@ impl Capture {
         Ok(capture.since(start_s))
     }
 
-    /// With a motion that is known for certain, in rows whose torque has so much white noise.
+    /// A capture whose motion has no noise and whose torque has white noise of this RMS in the rows, mNm; not yet with a scene.
     fn without_motion_noise(
         band: Band,
         motion: KnobMotion,
@@ -178,7 +178,7 @@ impl Capture {
         }
     }
 
-    /// The same with the time of its first sample, and with what all that is known makes of the scene.
+    /// The same with the time of its first sample, s, and with its scene measured.
     fn since(self, start_s: f64) -> Self {
         Self { start_s, scene: self.measured_scene(), ..self }
     }

@@ -28,37 +28,27 @@ impl Structure {
     /// The same of an effect that depends on others, or on what was before.
     fn dependent_rows(&self, index: usize, motion: &KnobMotion, row_filter: &RowFilter) -> Vec<Vec<f64>> {
         let effect = &self.effects[index];
-        let mut values = vec![0.0; self.widths()[index]];
-        let mut each = |row: &dyn Fn(usize, &mut [f64])| {
-            row_filter.rows_of(values.len(), |range, columns| {
-                for (place, at) in range.enumerate() {
-                    if row_filter.mask[at] == 0.0 {
-                        values.fill(0.0);
-                    } else {
-                        row(at, &mut values);
-                    }
-                    columns.iter_mut().zip(&values).for_each(|(column, value)| column[place] = *value);
-                }
-            })
-        };
+        let width = self.widths()[index];
         match (effect.kind().part, effect.kind().regressors) {
             (Part::Bristles(bristles), _) => {
                 let deflections = deflections(bristles(effect.values()), motion);
-                each(&|at, row| row[0] = Bristles::bending_rad_s(deflections[at], motion.velocity_rad_s[at]))
+                row_filter.rows_by_sample(width, |at, row| {
+                    row[0] = Bristles::bending_rad_s(deflections[at], motion.velocity_rad_s[at]);
+                })
             }
             (Part::LoadFriction(_), _) => {
                 let model = self.model();
-                each(&|at, row| {
+                row_filter.rows_by_sample(width, |at, row| {
                     let now = motion.at(at);
                     row[0] = now.velocity_sign() * model.load_mnm(&now).abs();
                 })
             }
             (Part::Friction(_) | Part::FrictionTable(_), Some(regressors)) => {
-                each(&self.friction_columns(effect, regressors, motion, false))
+                row_filter.rows_by_sample(width, self.friction_columns(effect, regressors, motion, false))
             }
             (part @ (Part::CoulombFactor(_) | Part::FrictionFactor(_)), Some(regressors)) => {
                 let friction_mnm = self.friction_mnm(motion, matches!(part, Part::CoulombFactor(_)));
-                each(&|at, row| {
+                row_filter.rows_by_sample(width, |at, row| {
                     let (friction_mnm, factors) = (friction_mnm(at), filled(effect, regressors, &motion.at(at)));
                     row.iter_mut().zip(factors).for_each(|(slot, factor)| *slot = friction_mnm * factor);
                 })
@@ -76,17 +66,11 @@ impl Structure {
         let columns_at = self.friction_columns(effect, own, &capture.motion, of_coulomb);
         let (width, depth) = (self.columns[friction], self.columns[factor]);
         let mut frictions = vec![0.0; width];
-        let rows = capture.row_filter.rows_of(width * depth, |range, columns| {
-            for (place, at) in range.enumerate() {
-                if capture.row_filter.mask[at] == 0.0 {
-                    columns.iter_mut().for_each(|column| column[place] = 0.0);
-                    continue;
-                }
-                columns_at(at, &mut frictions);
-                let factors = filled(by, others, &capture.motion.at(at));
-                for (columns, friction) in columns.chunks_mut(depth).zip(&frictions) {
-                    columns.iter_mut().zip(factors).for_each(|(column, factor)| column[place] = friction * factor);
-                }
+        let rows = capture.row_filter.rows_by_sample(width * depth, |at, products| {
+            columns_at(at, &mut frictions);
+            let factors = filled(by, others, &capture.motion.at(at));
+            for (products, friction) in products.chunks_mut(depth).zip(&frictions) {
+                products.iter_mut().zip(factors).for_each(|(product, factor)| *product = friction * factor);
             }
         });
         rows.chunks(depth).map(<[_]>::to_vec).collect()

@@ -17,7 +17,8 @@ pub(super) struct Kept {
     pub(super) loads: Vec<(usize, Arc<Vec<Vec<f64>>>)>,
 }
 
-/// Rows of the products of a friction's columns and a factor's, by the indices of both effects: a factor multiplies levels that are coefficients too.
+/// Rows of the products of a friction's columns and a factor's, by the indices of both effects: a factor multiplies levels that are
+/// coefficients too.
 #[derive(Clone)]
 pub(super) struct Product {
     pub(super) friction: usize,
@@ -27,7 +28,8 @@ pub(super) struct Product {
 }
 
 impl Kept {
-    /// The same for the structure `after`, which has other values than `before` or more effects behind its own.
+    /// What is kept of `after`: what it has in common with `before`, of which this is, is taken over. Its values may differ, and it may have
+    /// more effects at the end.
     pub(super) fn updated(mut self, before: &Structure, after: &Structure, capture: &Capture) -> Self {
         let changed = changed(before, after);
         self.rows.resize(after.effects.len(), Vec::new());
@@ -61,7 +63,7 @@ impl Kept {
     }
 }
 
-/// Effects whose columns differ between a structure and one with other values, or more effects behind its own.
+/// Effects of `after` whose columns `before`, with other values or fewer effects, does not have.
 pub(super) fn changed(before: &Structure, after: &Structure) -> Vec<usize> {
     let bristles = before.bristles() != after.bristles();
     let differs = |index: &usize| {

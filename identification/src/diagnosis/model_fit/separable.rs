@@ -73,14 +73,12 @@ impl<'a> Separable<'a> {
         let middle_rad = 0.5 * (scene.lowest_rad + scene.highest_rad);
         let half_rad = 0.5 * scene.travel_rad().max(f64::MIN_POSITIVE);
         let share = move |angle_rad: f64| (angle_rad - middle_rad) / half_rad;
-        let bend = self.capture.row_filter.rows_of(BEND, |range, columns| {
-            for (row, angle_rad) in self.capture.motion.angle_rad[range].iter().enumerate() {
-                let share = share(*angle_rad);
-                columns.iter_mut().fold(share, |power, column| {
-                    column[row] = power;
-                    power * share
-                });
-            }
+        let bend = self.capture.row_filter.rows_by_sample(BEND, |at, powers| {
+            let share = share(self.capture.motion.angle_rad[at]);
+            powers.iter_mut().fold(share, |power, slot| {
+                *slot = power;
+                power * share
+            });
         });
         let columns: Vec<&[f64]> = self.columns().into_iter().chain(bend.iter().map(Vec::as_slice)).collect();
         let mut nonnegative = self.structure.nonnegative();
