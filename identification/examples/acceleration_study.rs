@@ -1,6 +1,6 @@
-//! What noise in the acceleration does to the inertia, and what each sensor and estimator makes of it.
+//! What the encoder alone and both sensors together make of the inertia.
 //!
-//! `cargo run --release -p identification --example acceleration_study -- [SEEDS] [column|rig|coarse|recorded]`
+//! `cargo run --release -p identification --example acceleration_study -- [SEEDS] [rig|coarse|recorded]`
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
 #[path = "../tests/common/mod.rs"]
@@ -8,7 +8,7 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use common::{Capture, Failure, Uniform, captured_at, sweep};
+use common::{Failure, Uniform, captured_at};
 use dynamics::knobs;
 use hal::simulated::RigParameters;
 use identification::{AccelerationUse, FitOptions, Samples, fit};
@@ -55,9 +55,6 @@ fn main() -> Result<(), Failure> {
     let seeds: u64 = arguments.next().map_or(Ok(50), |text| text.parse())?;
     let part = arguments.next();
     let asked = |name: &str| part.as_deref().is_none_or(|part| part == name);
-    if asked("column") {
-        noisy_column(seeds)?;
-    }
     if asked("rig") {
         let cases = [(1, "paper"), (2, "paper"), (3, "paper"), (2, "linear-chirp")];
         sensors("the rig as it is", &RigParameters::default(), None, &cases, seeds)?;
@@ -77,47 +74,8 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// A noisy acceleration column as the only source, plain and instrumented by the encoder.
-fn noisy_column(seeds: u64) -> Result<(), Failure> {
-    println!("a noisy acceleration column as the only source; knob 2, linear chirp, 6 s at 5 kHz, {seeds} seeds");
-    let knob = knobs::paper_knob(2)?;
-    let truth = knob.parameter("inertia").unwrap_or_default();
-    let motion = sweep("linear-chirp");
-    for noise_rad_s2 in [50.0, 200.0, 500.0] {
-        let mut results = [Errors::default(), Errors::default()];
-        for seed in 1..=seeds {
-            let mut random = Uniform(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-            let (mut t_s, mut angle, mut acceleration, mut torque) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-            for tick in 1..=30_000 {
-                let motion = motion(f64::from(tick) / 5000.0);
-                t_s.push(motion.time_s);
-                angle.push((motion.angle_rad / 9.8e-6).round() * 9.8e-6);
-                acceleration.push(motion.acceleration_rad_s2 + noise_rad_s2 * random.normal());
-                torque.push(knob.torque_mnm(&motion) + 0.25 * random.normal());
-            }
-            let capture = Capture {
-                t_s,
-                angle_rad: angle,
-                acceleration_rad_s2: Some(acceleration),
-                torque_mnm: torque,
-                ..Capture::default()
-            };
-            let uses = [AccelerationUse::Column, AccelerationUse::ColumnInstrumented];
-            for (result, acceleration) in results.iter_mut().zip(uses) {
-                let options = FitOptions { acceleration, without_detents: true, ..FitOptions::default() };
-                result.take(&capture.samples(), &options, truth)?;
-            }
-        }
-        for (name, result) in ["least squares", "instrumented"].iter().zip(&results) {
-            println!("noise {noise_rad_s2:5.0} rad/s²   {name:14} {}", result.line());
-        }
-    }
-    println!();
-    Ok(())
-}
-
-/// Encoder alone, accelerometer alone, and both by filters and by the recursive smoother, on a simulated rig; the angle
-/// is recorded in steps of `recorded_step_rad`, if that is coarser than the rig's own.
+/// The encoder alone and both sensors, on a simulated rig; the angle is recorded in steps of `recorded_step_rad`, if that is coarser than
+/// the rig's own.
 fn sensors(
     title: &str,
     rig: &RigParameters,
@@ -126,16 +84,11 @@ fn sensors(
     seeds: u64,
 ) -> Result<(), Failure> {
     println!("{title}; 10 s at 10 kHz, {seeds} captures each");
-    let uses = [
-        ("encoder", AccelerationUse::Encoder),
-        ("accelerometer", AccelerationUse::Column),
-        ("blend", AccelerationUse::Best),
-        ("smoother", AccelerationUse::KalmanSmoother),
-    ];
+    let uses = [("encoder", AccelerationUse::Encoder), ("blend", AccelerationUse::Best)];
     for (number, name) in cases {
         let knob = knobs::paper_knob(*number)?;
         let truth = knob.parameter("inertia").unwrap_or_default();
-        let mut results: [Errors; 4] = Default::default();
+        let mut results: [Errors; 2] = Default::default();
         for seed in 1..=seeds {
             let mut random = Uniform(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
             let amplitude_rad = 0.95 + 0.1 * random.next();

@@ -123,6 +123,22 @@ pub struct Point {
 }
 
 impl Point {
+    /// At a motion, with the half width of the model's 95 % interval.
+    pub(crate) fn of(motion: Motion, torque_mnm: f64, residual_mnm: f64, torque_model_ci95_mnm: f64) -> Self {
+        let Motion { time_s: t_s, angle_rad, velocity_rad_s, acceleration_rad_s2 } = motion;
+        let torque_model_mnm = torque_mnm - residual_mnm;
+        Self {
+            t_s,
+            angle_rad,
+            velocity_rad_s,
+            acceleration_rad_s2,
+            torque_mnm,
+            torque_model_mnm,
+            torque_model_ci95_mnm,
+            residual_mnm,
+        }
+    }
+
     /// Its motion, as a model takes it.
     #[must_use]
     pub fn motion(&self) -> Motion {

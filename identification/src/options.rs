@@ -61,16 +61,6 @@ pub enum AccelerationUse {
     /// Encoder and accelerometer, each where it is quieter; what their noise does to the inertia is taken off.
     #[default]
     Best,
-    /// Angle, velocity and acceleration from the fixed-interval smoother of Rauch, Tung and Striebel over both sensors, with
-    /// white jerk as the prior. No better than `Best` in what was measured, and slower; here to be compared with.
-    KalmanSmoother,
     /// The encoder's second derivative alone.
     Encoder,
-    /// The column `acceleration_rad_s2` alone, held for exact: noise in it draws the inertia towards zero.
-    Column,
-    /// The same column with the encoder's second derivative as its instrument: the residual is made orthogonal to the
-    /// instrument, whose noise is independent of the column's, so the inertia is not drawn anywhere (A. Janot,
-    /// P.-O. Vandanjon, M. Gautier, A generic instrumental variable approach for industrial robot identification, IEEE
-    /// Trans. Control Syst. Technol. 22, 2014, 132–145, with the other sensor in place of a simulation).
-    ColumnInstrumented,
 }

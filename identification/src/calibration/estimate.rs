@@ -155,14 +155,6 @@ pub enum CalibrateError {
     },
 }
 
-/// Checks a capture of which rest is permitted.
-pub(super) fn check_at_rest(samples: &Samples<'_>) -> Result<(), CalibrateError> {
-    match samples.check() {
-        Ok(()) | Err(FitError::NoMotion { .. } | FitError::ConstantTorque { .. }) => Ok(()),
-        Err(error) => Err(error.into()),
-    }
-}
-
 /// Checks that there is a command at every sample.
 pub(super) fn check_command(samples: &Samples<'_>, commanded_mnm: &[f64]) -> Result<(), CalibrateError> {
     let is_whole = commanded_mnm.len() == samples.torque_mnm.len() && commanded_mnm.iter().all(|mnm| mnm.is_finite());

@@ -2,8 +2,8 @@
 
 use dynamics::Calibration;
 
-use super::estimate::{CalibrateError, Calibrated, Estimate, check_at_rest};
-use crate::samples::span;
+use super::estimate::{CalibrateError, Calibrated, Estimate};
+use crate::samples::{FitError, span};
 use crate::uncertainty::statistics::{mean, mean_and_error, student_95};
 
 /// Travel up to which the rig counts as at rest, rad.
@@ -19,7 +19,10 @@ const STRETCHES: usize = 30;
 /// # Errors
 /// [`CalibrateError`] for a rig that moves.
 pub fn zero(samples: &crate::Samples<'_>, known: &Calibration) -> Result<Calibrated, CalibrateError> {
-    check_at_rest(samples)?;
+    match samples.check() {
+        Ok(()) | Err(FitError::NoMotion { .. } | FitError::ConstantTorque { .. }) => {}
+        Err(error) => return Err(error.into()),
+    }
     let travel_rad = span(samples.angle_rad);
     if travel_rad > REST_RAD {
         return Err(CalibrateError::NotAtRest { travel_rad });

@@ -5,7 +5,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use dynamics::Direction;
 
 use crate::samples::{FitError, Samples, span};
-use crate::uncertainty::statistics::{line, mean, median, running, runs, student_95};
+use crate::uncertainty::statistics::{mean, median, running, runs, student_95, without_line};
 
 /// Agreement of the two directions' torques over angle from which they show detents, as a correlation.
 const REPEATS: f64 = 0.5;
@@ -194,7 +194,9 @@ impl Profile {
         let side = |side: usize| {
             let torque: Vec<f64> = sides[side][run.clone()].iter().copied().flatten().collect();
             let without_shocks = running(&torque, MEDIAN_REACH, |near| median(&mut near.to_vec()));
-            without_line(&running(&without_shocks, MEAN_REACH, |near| mean(near)))
+            let smooth = running(&without_shocks, MEAN_REACH, |near| mean(near));
+            let places: Vec<f64> = (0..smooth.len()).map(|at| at as f64).collect();
+            without_line(&smooth, &places).collect::<Vec<f64>>()
         };
         let (back, there) = (side(0), side(1));
         let product = |left: &[f64], right: &[f64]| left.iter().zip(right).map(|(a, b)| a * b).sum::<f64>();
@@ -250,12 +252,4 @@ fn bridged(values: &[Option<f64>]) -> Vec<Option<f64>> {
         before = Some((index, value));
     }
     bridged
-}
-
-/// The signal without its straight line.
-fn without_line(signal: &[f64]) -> Vec<f64> {
-    let places: Vec<f64> = (0..signal.len()).map(|at| at as f64).collect();
-    let (mean, slope) = line(signal, &places);
-    let middle = 0.5 * (signal.len() as f64 - 1.0);
-    signal.iter().zip(&places).map(|(value, at)| value - mean - slope * (at - middle)).collect()
 }

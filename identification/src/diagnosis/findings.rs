@@ -326,9 +326,8 @@ impl Diagnosis {
                 };
                 let measured: String = self.characteristics.iter().map(|one| one.in_one_sentence(decimals)).collect();
                 format!(
-                    "{named}Something is missing that no known effect explains{}: {:.decimals$} mNm are left on held-out data, \
+                    "{named}Something is missing that no known effect explains{measured}: {:.decimals$} mNm are left on held-out data, \
                      {over_floor:.1} times the noise{shape}.",
-                    if measured.is_empty() { "" } else { measured.as_str() },
                     self.heldout_rms_after
                 )
             }

@@ -3,14 +3,14 @@
 use dynamics::{Axis, Calibration, Model, effects};
 
 use super::capture::encoder_zero::EncoderZero;
-use super::capture::{Capture, Stretches};
+use super::capture::{Capture, EDGE_HZ, Stretches};
 use super::error::DiagnosisError;
 use super::findings::{Diagnosis, Verdict};
 use super::model_fit::undetermined::Undetermined;
 use super::search::judged::Judged;
 use super::search::{Found, Search};
 use super::verdict::commanded::CommandedTorque;
-use crate::quasi_static::SlowMotion;
+use crate::quasi_static::Map;
 use crate::{FitError, Samples};
 
 /// Largest noise of acceleration, as a share of its RMS: with more, inertia is underrated by more than a hundredth.
@@ -151,9 +151,13 @@ fn prepare(
     {
         return Err(DiagnosisError::SameCapture);
     }
-    let mut edge_hz = Capture::widest_edge_hz();
+    let parts = match heldout {
+        Some(heldout) => [("training", train, Stretches::All), ("held-out", heldout, Stretches::All)],
+        None => [("training", train, Stretches::Odd), ("training", train, Stretches::Even)],
+    };
+    let mut edge_hz = EDGE_HZ;
     loop {
-        match prepare_in(edge_hz, train, heldout, options) {
+        match prepare_in(edge_hz, parts, options) {
             // Where the encoder is coarse, motion can be told from noise in a narrower band only.
             Err(DiagnosisError::Capture { reason: FitError::HardlyMoving { .. }, .. }) if edge_hz > NARROWEST_HZ => {
                 edge_hz *= 0.5;
@@ -162,42 +166,34 @@ fn prepare(
                 edge_hz *= 0.5;
             }
             // Both are compared in the narrower one's band.
-            Ok(captures) if edges_hz(&captures)[0] < edges_hz(&captures)[1] => edge_hz = edges_hz(&captures)[0],
+            Ok([train, heldout]) if train.band.edge_hz != heldout.band.edge_hz => {
+                edge_hz = train.band.edge_hz.min(heldout.band.edge_hz);
+            }
             Err(DiagnosisError::Capture { reason: reason @ FitError::HardlyMoving { .. }, which }) => {
-                return maps(train, heldout).ok_or(DiagnosisError::Capture { which, reason });
+                return maps(parts).ok_or(DiagnosisError::Capture { which, reason });
             }
             prepared => return prepared,
         }
     }
 }
 
-/// Captures in which the knob was turned too slowly for its speed to be estimated, as maps of torque against angle.
-fn maps(train: &Samples<'_>, heldout: Option<&Samples<'_>>) -> Option<[Capture; 2]> {
-    let of = |samples, stretches| SlowMotion::of(samples).map(|map| Capture::of_map(map, stretches));
-    Some(match heldout {
-        Some(heldout) => [of(train, Stretches::All)?, of(heldout, Stretches::All)?],
-        None => [of(train, Stretches::Odd)?, of(train, Stretches::Even)?],
-    })
-}
+/// A part of the captures: which one it is of, its samples, and which stretches of them.
+type Part<'a> = (&'static str, &'a Samples<'a>, Stretches);
 
-/// Edges of both bands, the lower one first, Hz.
-fn edges_hz(captures: &[Capture; 2]) -> [f64; 2] {
-    let [train_hz, heldout_hz] = captures.each_ref().map(|capture| capture.band.edge_hz);
-    [train_hz.min(heldout_hz), train_hz.max(heldout_hz)]
+/// Captures in which the knob was turned too slowly for its speed to be estimated, as maps of torque against angle.
+fn maps([train, heldout]: [Part<'_>; 2]) -> Option<[Capture; 2]> {
+    let of = |(_, samples, stretches): Part<'_>| Some(Capture::of_map(Map::of(samples, false)?, stretches));
+    Some([of(train)?, of(heldout)?])
 }
 
 fn prepare_in(
     edge_hz: f64,
-    train: &Samples<'_>,
-    heldout: Option<&Samples<'_>>,
+    [train, heldout]: [Part<'_>; 2],
     options: &DiagnoseOptions<'_>,
 ) -> Result<[Capture; 2], DiagnosisError> {
-    let of = |which, samples: &Samples<'_>, stretches| {
+    let of = |(which, samples, stretches): Part<'_>| {
         Capture::of(samples, options.calibration.as_ref(), edge_hz, stretches)
             .map_err(|reason| DiagnosisError::Capture { which, reason })
     };
-    Ok(match heldout {
-        Some(heldout) => [of("training", train, Stretches::All)?, of("held-out", heldout, Stretches::All)?],
-        None => [of("training", train, Stretches::Odd)?, of("training", train, Stretches::Even)?],
-    })
+    Ok([of(train)?, of(heldout)?])
 }

@@ -74,10 +74,6 @@ impl Misfit {
     /// Fits the settled problem's columns to the rows with those `near` standstill, to half their band and to the faster and the
     /// slower half of their motion.
     pub(crate) fn of(trimmed: &Trimmed<'_>, near: Option<&Rows>, robust: &RobustCovariance) -> Self {
-        // Instruments are for noise that these fits would see anew.
-        if trimmed.instruments.is_some() {
-            return Self { rows: Vec::new(), unbounded: None };
-        }
         let at_zero = &trimmed.solution.at_zero;
         let is_held = at_zero.contains(&true);
         let Problem { motion, row_filter, target, .. } = &trimmed.problem;

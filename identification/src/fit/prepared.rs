@@ -8,7 +8,7 @@ use crate::detents::{self, Solved};
 use crate::estimate::{Fit, Preparation};
 use crate::karnopp::Stick;
 use crate::numerics::vector;
-use crate::options::{AccelerationUse, FitOptions, PreparationMethod};
+use crate::options::{FitOptions, PreparationMethod};
 use crate::preparation::Prepared;
 use crate::preparation::encoder_step::encoder_step;
 use crate::preparation::motion::{Band, KnobMotion};
@@ -128,10 +128,6 @@ impl<'a> Prepared<'a> {
         if let Some(curves) = curves {
             trimmed.project_curves_out(curves);
         }
-        if options.acceleration == AccelerationUse::ColumnInstrumented && motion.accelerometer {
-            let encoder = KnobMotion::measured(uniform, band, calibration, AccelerationUse::Encoder);
-            trimmed.instrument(&encoder.acceleration_rad_s2);
-        }
         // Rows beside measured curves are freed of what the curves do at their own samples.
         let can_be_wider = options.preparation == PreparationMethod::Automatic && trimmed.curves.is_none();
         let near = can_be_wider.then(|| row_filter.next_to_standstill(uniform, motion)).flatten();
@@ -155,7 +151,6 @@ impl<'a> Prepared<'a> {
             detent_harmonics: harmonics,
             detent_aliases_rad: aliases_rad,
             preparation: self.told(uniform, options.preparation),
-            axis: options.axis,
             ..fit
         }
     }

@@ -48,7 +48,7 @@ impl<'a> Report<'a> {
         calibration: Option<&'a Calibration>,
         near: Option<&Rows>,
     ) -> Self {
-        let mut robust = trimmed.solution.robust(trimmed.instruments.as_ref().unwrap_or(&trimmed.columns));
+        let mut robust = trimmed.solution.robust(&trimmed.columns);
         if let Some(curves) = &trimmed.curves {
             robust.enlarge(curves.points.len());
         }
@@ -327,16 +327,7 @@ impl<'a> Report<'a> {
         let Trimmed { solution, problem, .. } = self.trimmed;
         let point = |row: &usize| {
             let motion = problem.motion.at(row * problem.row_filter.step);
-            Point {
-                t_s: motion.time_s,
-                angle_rad: motion.angle_rad,
-                velocity_rad_s: motion.velocity_rad_s,
-                acceleration_rad_s2: motion.acceleration_rad_s2,
-                torque_mnm: problem.target[*row],
-                torque_model_mnm: problem.target[*row] - solution.residual[*row],
-                torque_model_ci95_mnm: critical * deviation_mnm[*row],
-                residual_mnm: solution.residual[*row],
-            }
+            Point::of(motion, problem.target[*row], solution.residual[*row], critical * deviation_mnm[*row])
         };
         rows.iter().map(point).collect()
     }

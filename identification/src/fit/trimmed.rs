@@ -26,8 +26,6 @@ pub(crate) struct Trimmed<'a> {
     /// What they were fitted to: the problem's target, without what measured curves do.
     pub(crate) target: Column,
     pub(crate) solution: LeastSquares,
-    /// What the residual was made orthogonal to, if not the columns themselves.
-    pub(crate) instruments: Option<Vec<Column>>,
     /// Measured curves of which the columns have been freed.
     pub(crate) curves: Option<CurveProjection>,
     /// Delay of the torque behind the motion that was allowed for, s.
@@ -55,16 +53,7 @@ impl<'a> Trimmed<'a> {
     /// The problem solved together with further columns, without a delay.
     fn with(problem: Problem<'a>, further: &[Column]) -> Self {
         let (columns, solution) = problem.solve_with(further);
-        Self {
-            target: problem.target.clone(),
-            problem,
-            columns,
-            solution,
-            instruments: None,
-            curves: None,
-            delay_s: 0.0,
-            refused: None,
-        }
+        Self { target: problem.target.clone(), problem, columns, solution, curves: None, delay_s: 0.0, refused: None }
     }
 
     /// The rows, together with those of samples that only another row filter has.
@@ -91,15 +80,6 @@ impl<'a> Trimmed<'a> {
         let RefusedDelay { delay_s, column, .. } = self.refused.as_ref()?;
         let target = self.target.iter().zip(&**column).map(|(torque, value)| torque - delay_s * value).collect();
         Some(Rows { columns: self.columns.clone(), target })
-    }
-
-    /// Solves again with another sensor's acceleration as the instrument for the inertia.
-    pub(super) fn instrument(&mut self, acceleration_rad_s2: &[f64]) {
-        let acceleration = self.problem.row_filter.rows(acceleration_rad_s2);
-        let acceleration = self.curves.as_ref().map_or(acceleration.clone(), |curves| curves.remainder(&acceleration));
-        let instruments = self.problem.instruments(&self.columns, &acceleration.into());
-        self.solution = self.solution.clone().instrumented(&self.columns, &instruments, &self.target);
-        self.instruments = Some(instruments);
     }
 
     /// Solves again with what the points of measured curves can do left out of the other columns: the curves stay as they are, and how little

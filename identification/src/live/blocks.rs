@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVectorView};
 
 use crate::preparation::filter::Fir;
 use crate::preparation::motion::ROWS_PER_EDGE;
+use crate::preparation::row_filter::HALF_LENGTH_PERIODS;
 use crate::preparation::uniform::whole;
 use crate::regression::gram;
 use crate::uncertainty::statistics::student_95;
@@ -134,7 +135,7 @@ pub(super) struct RowFilter {
 
 impl RowFilter {
     pub(super) fn new(rate_hz: f64, band_hz: f64, width: usize) -> Self {
-        let half_length = (1.65 * rate_hz / band_hz).round() as usize;
+        let half_length = (HALF_LENGTH_PERIODS * rate_hz / band_hz).round() as usize;
         let length = 2 * half_length + 1;
         Self {
             fir: Fir::low_pass(half_length, band_hz, rate_hz),

@@ -7,6 +7,7 @@ use dynamics::{Calibration, Motion};
 use super::LiveSample;
 use crate::preparation::compliance::compliance_rad_mnm;
 use crate::preparation::filter::Fir;
+use crate::preparation::row_filter::HALF_LENGTH_PERIODS;
 use crate::preparation::uniform::{NEIGHBOURS, cubic_weights};
 use crate::uncertainty::statistics::MEDIAN_FOURTH_DIFFERENCE;
 
@@ -60,7 +61,7 @@ pub(super) struct Pipeline {
 impl Pipeline {
     pub(super) fn new(rate_hz: f64, band_hz: f64, calibration: Option<&Calibration>) -> Self {
         let cutoff_hz = (ANGLE_BAND * band_hz).min(0.4 * rate_hz);
-        let half_length = (1.65 * rate_hz / cutoff_hz).round() as usize;
+        let half_length = (HALF_LENGTH_PERIODS * rate_hz / cutoff_hz).round() as usize;
         // A torque channel ahead of the encoder is not foreseen; its delay is at most what the guard bears.
         let delay = calibration.map_or(0.0, |known| known.torque_delay_s.clamp(0.0, 0.05)) * rate_hz;
         let part = delay.fract();

@@ -7,7 +7,7 @@ use dynamics::{Calibration, Motion};
 
 use super::compliance::{compliance_rad_mnm, knob_angle_rad};
 use super::filter::{Fir, butterworth_low_pass};
-use super::fusion::{Sensors, blend, kalman_smoother};
+use super::fusion::{Sensors, blend};
 use super::spectrum::{AngleSpectrum, Spectrum, white_density};
 use super::uniform::Uniform;
 use crate::numerics::vector::{self, dot};
@@ -179,51 +179,27 @@ impl KnobMotion {
         acceleration_use: AccelerationUse,
     ) -> Self {
         let rate_hz = uniform.rate_hz;
-        let mut angle_density = band.angle_density;
         let cutoff_hz = (CUTOFF_PER_EDGE * band.edge_hz).min(0.3 * rate_hz);
         let angle = knob_angle_rad(&uniform.angle_rad, &uniform.torque_mnm, calibration);
         let smoother = smoother(cutoff_hz, rate_hz);
         let mut smooth = smoother.filter(&angle);
         let mut velocity = gradient(&smooth, rate_hz);
         let mut acceleration = gradient(&velocity, rate_hz);
-        let noise = angle_density * TAU.powi(4) * band.edge_hz.powi(5) / 5.0;
+        let noise = band.angle_density * TAU.powi(4) * band.edge_hz.powi(5) / 5.0;
         let clear = noise < CLEAR * rms(&low_pass(4, band.edge_hz, rate_hz, &acceleration)).powi(2);
         let lag_s = uniform.acceleration_lag_s;
-        let column = uniform.acceleration_rad_s2.as_ref();
-        let sensors = || {
+        let may_take_part = acceleration_use == AccelerationUse::Best && !clear;
+        let sensors = uniform.acceleration_rad_s2.as_ref().filter(|_| may_take_part).and_then(|acceleration| {
             let (encoder, present) = (&uniform.angle_rad, &uniform.present);
-            Sensors::of(&angle, encoder, column?, present, lag_s, rate_hz, cutoff_hz)
-        };
-        let (mut accelerometer, mut accelerometer_density) = (false, 0.0);
-        // Where the accelerometer takes over in the acceleration, and in the velocity.
-        let (mut equal_hz, mut fused_hz) = (f64::INFINITY, f64::INFINITY);
-        match acceleration_use {
-            AccelerationUse::Encoder => {}
-            AccelerationUse::Best => {
-                if let Some(sensors) = (!clear).then(sensors).flatten() {
-                    smooth = smoother.filter(&blend(&sensors));
-                    velocity = gradient(&smooth, rate_hz);
-                    acceleration = gradient(&velocity, rate_hz);
-                    (accelerometer, accelerometer_density) = (true, sensors.sensor_density);
-                    angle_density = sensors.angle_density;
-                    (equal_hz, fused_hz) = (sensors.equal_hz, sensors.equal_hz);
-                }
-            }
-            AccelerationUse::KalmanSmoother => {
-                if let Some(sensors) = sensors() {
-                    [smooth, velocity, acceleration] =
-                        kalman_smoother(&sensors).map(|smoothed| smoother.filter(&smoothed));
-                    // Given all readings the smoothed motion's error is no part of it: none is taken off.
-                    (accelerometer, equal_hz, fused_hz) = (true, 0.0, sensors.equal_hz);
-                }
-            }
-            // Nothing is known of the column's noise, so none is taken off.
-            AccelerationUse::Column | AccelerationUse::ColumnInstrumented => {
-                if let Some(column) = column {
-                    acceleration = smoother.filter(&prompt(column, lag_s, rate_hz));
-                    (accelerometer, equal_hz) = (true, 0.0);
-                }
-            }
+            Sensors::of(&angle, encoder, acceleration, present, lag_s, rate_hz, cutoff_hz)
+        });
+        let (mut angle_density, mut accelerometer_density, mut equal_hz) = (band.angle_density, 0.0, f64::INFINITY);
+        if let Some(sensors) = &sensors {
+            smooth = smoother.filter(&blend(sensors));
+            velocity = gradient(&smooth, rate_hz);
+            acceleration = gradient(&velocity, rate_hz);
+            (angle_density, accelerometer_density) = (sensors.angle_density, sensors.sensor_density);
+            equal_hz = sensors.equal_hz;
         }
         Self {
             time_s: uniform.time_s.clone(),
@@ -231,10 +207,10 @@ impl KnobMotion {
             velocity_rad_s: velocity,
             acceleration_rad_s2: acceleration,
             exact: false,
-            velocity_noise_rad_s: velocity_noise_rad_s(angle_density, cutoff_hz, fused_hz),
+            velocity_noise_rad_s: velocity_noise_rad_s(angle_density, cutoff_hz, equal_hz),
             cutoff_hz,
             reach: (EFFECTIVE * (smoother.half_length() + DIFFERENCE_REACH) as f64) as usize,
-            accelerometer,
+            accelerometer: sensors.is_some(),
             angle_density,
             compliance_rad_mnm: compliance_rad_mnm(calibration),
             accelerometer_density,
@@ -319,10 +295,11 @@ pub fn knob_motion(samples: &Samples<'_>, calibration: Option<&Calibration>) -> 
 
 /// Samples on each side that [`gradient`] looks at.
 pub(crate) const GRADIENT_REACH: usize = 4;
+
 /// Standard deviation of the velocity's noise up to `cutoff_hz`: white angle noise differentiated, of which the
-/// accelerometer leaves the share 1/(1 + (f/f₀)⁴) where it takes part from `fused_hz` on.
-fn velocity_noise_rad_s(angle_density: f64, cutoff_hz: f64, fused_hz: f64) -> f64 {
-    let density = |frequency_hz: f64| (TAU * frequency_hz).powi(2) / (1.0 + (frequency_hz / fused_hz).powi(4));
+/// accelerometer leaves the share 1/(1 + (f/f₀)⁴) where it takes part from `equal_hz` on.
+fn velocity_noise_rad_s(angle_density: f64, cutoff_hz: f64, equal_hz: f64) -> f64 {
+    let density = |frequency_hz: f64| (TAU * frequency_hz).powi(2) / (1.0 + (frequency_hz / equal_hz).powi(4));
     (angle_density * integral(cutoff_hz, density)).sqrt()
 }
 

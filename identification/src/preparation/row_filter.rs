@@ -113,6 +113,21 @@ impl RowFilter {
         }
     }
 
+    /// The same of columns whose values `write` gives sample by sample; where the mask is zero they are zero.
+    pub(crate) fn rows_by_sample(&self, count: usize, mut write: impl FnMut(usize, &mut [f64])) -> Vec<Vec<f64>> {
+        let mut values = vec![0.0; count];
+        self.rows_of(count, |range, columns| {
+            for (place, at) in range.enumerate() {
+                if self.mask[at] == 0.0 {
+                    values.fill(0.0);
+                } else {
+                    write(at, &mut values);
+                }
+                columns.iter_mut().zip(&values).for_each(|(column, value)| column[place] = *value);
+            }
+        })
+    }
+
     /// Rows of an effect's columns; none if it has no part in a fit.
     pub(crate) fn effect_rows(&self, effect: &Effect, motion: &KnobMotion) -> Vec<Vec<f64>> {
         self.leading_effect_rows(effect, usize::MAX, motion)

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use crate::numerics::fourier;
 use crate::numerics::vector;
-use crate::uncertainty::statistics::{line, mean, median, running};
+use crate::uncertainty::statistics::{mean, median, running, without_line};
 
 /// Longest window of the spectrum, samples: it must tell a motion of 1 Hz from none at 20 kHz.
 const LONGEST_WINDOW: usize = 1 << 15;
@@ -52,10 +52,8 @@ impl Spectrum {
         let mut density = vec![0.0; bins.len()];
         let mut count = 0.0;
         for part in signal.windows(length).step_by((length / 2).max(1)) {
-            let (mean, slope) = line(part, &places);
-            let middle = 0.5 * (length as f64 - 1.0);
-            for (i, slot) in buffer.iter_mut().enumerate() {
-                *slot = (part[i] - mean - slope * (i as f64 - middle)) * window[i];
+            for ((slot, value), weight) in buffer.iter_mut().zip(without_line(part, &places)).zip(&window) {
+                *slot = value * weight;
             }
             if transform.process(&mut buffer, &mut bins).is_ok() {
                 density.iter_mut().zip(&bins).for_each(|(sum, bin)| *sum += bin.norm_sqr());

@@ -6,7 +6,6 @@ use nalgebra::DMatrix;
 use super::block_sums::{BlockSums, Estimate};
 use super::{Fitted, Map};
 use crate::estimate::Fit;
-use crate::preparation::saturation::Saturation;
 use crate::regression::characteristic::{Measured, NO_DETENTS, Places, measure};
 use crate::samples::Samples;
 
@@ -14,19 +13,19 @@ use crate::samples::Samples;
 ///
 /// Of friction a curve tells one number, half the mean distance between its branches: what differs between the directions besides
 /// cannot be told from a torque that does not change with them.
-pub(super) fn fit(samples: &Samples<'_>, map: &Map, saturation: &Saturation) -> Option<Fit> {
+pub(super) fn fit(samples: &Samples<'_>, map: &Map) -> Option<Fit> {
     let frictions = map.frictions();
     let columns: Vec<Vec<f64>> = frictions.iter().map(|friction| map.friction_column(*friction)).collect();
     let both_ways = frictions.len() == 2;
     let both = || map.directions.iter().map(|direction| f64::from(*direction)).collect();
     let base: Vec<Vec<f64>> = both_ways.then(both).into_iter().collect();
-    let places = Places::of(&map.angle_rad.iter().copied().zip(map.torque_mnm.iter().copied()))?;
+    let places = Places::of(&map.motion.angle_rad.iter().copied().zip(map.torque_mnm.iter().copied()))?;
     let motion = |at: usize| Motion {
-        angle_rad: map.angle_rad[at],
+        angle_rad: map.motion.angle_rad[at],
         velocity_rad_s: f64::from(map.directions[at]),
         ..Motion::default()
     };
-    let rows = map.angle_rad.len();
+    let rows = map.torque_mnm.len();
     let measured = measure(&base, &vec![true; base.len()], &[], &map.torque_mnm, &places, both_ways, |spline| {
         spline.columns(rows, motion).collect()
     })?;
@@ -44,7 +43,7 @@ pub(super) fn fit(samples: &Samples<'_>, map: &Map, saturation: &Saturation) -> 
     let (covariance, textbook) = (spread(&covariance), spread(&solution.textbook_covariance()));
     let estimate = Estimate { coefficients, covariance, textbook };
     let fitted = Fitted { sums, estimate, harmonics: Vec::new(), period_half_width_rad: 0.0 };
-    let mut fit = fitted.fit(samples, map, known, NO_DETENTS, map.notes(saturation));
+    let mut fit = fitted.fit(samples, map, known, NO_DETENTS, map.notes());
     fit.effects.extend(effects);
     fit.characteristics = curves;
     Some(fit)

@@ -12,7 +12,7 @@ use crate::estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 use crate::fit::report::prediction_sd;
 use crate::numerics::vector::{extent, smallest_step};
 use crate::options::FitOptions;
-use crate::preparation::motion::scatter;
+use crate::preparation::motion::{KnobMotion, scatter};
 use crate::preparation::saturation::Saturation;
 use crate::samples::{FEWEST_SAMPLES, Samples};
 use crate::uncertainty::statistics::{NORMAL_95, mean, median};
@@ -34,20 +34,19 @@ const PLACES: usize = 50;
 /// … of which this share must have been visited: a jump from one place to another is no map.
 const VISITED: f64 = 0.8;
 
-/// The rows of a map.
-struct Map {
-    time_s: Vec<f64>,
-    angle_rad: Vec<f64>,
+/// The rows of a map, as a motion: of the speed only its direction and its mean can be estimated, of the acceleration nothing.
+pub(crate) struct Map {
+    pub(crate) motion: KnobMotion,
+    pub(crate) torque_mnm: Vec<f64>,
     directions: Vec<i8>,
-    torque_mnm: Vec<f64>,
+    saturation: Saturation,
 }
 
 /// Fits friction and the sinusoids of the angle to checked samples; `None` if the knob did not wander slowly through its travel.
 pub(crate) fn fit(samples: &Samples<'_>, options: &FitOptions) -> Option<Fit> {
-    let saturation = Saturation::of(samples.torque_mnm);
-    let map = Map::of(samples, &saturation, options.is_quasi_static)?;
+    let map = Map::of(samples, options.is_quasi_static)?;
     if options.characteristic {
-        return characteristic::fit(samples, &map, &saturation);
+        return characteristic::fit(samples, &map);
     }
     let look_for_detents = !options.without_detents;
     let mut sums = BlockSums::new(map.torque_mnm.clone());
@@ -55,66 +54,42 @@ pub(crate) fn fit(samples: &Samples<'_>, options: &FitOptions) -> Option<Fit> {
     for friction in &frictions {
         sums.push(map.friction_column(*friction));
     }
-    let grid = Grid::of(&map.angle_rad);
+    let angle_rad = &map.motion.angle_rad;
+    let grid = Grid::of(angle_rad);
     let wavenumbers =
-        if look_for_detents { matching_pursuit::sinusoids(&mut sums, &map.angle_rad, &grid) } else { Vec::new() };
+        if look_for_detents { matching_pursuit::sinusoids(&mut sums, angle_rad, &grid) } else { Vec::new() };
     let fitted = Fitted::of(sums, &map, frictions.len(), &wavenumbers)?;
 
     let none = if look_for_detents { fitted.no_detents(&grid) } else { "detents were not asked for".to_owned() };
-    let mut notes = map.notes(&saturation);
+    let mut notes = map.notes();
     if !wavenumbers.is_empty() && !grid.whole_turn {
         notes.push("less than a whole turn was covered: counts per turn are not whole numbers by rule".to_owned());
     }
     Some(fitted.fit(samples, &map, &frictions, &none, notes))
 }
 
-/// A map's rows as a motion: of the speed only its direction and its mean can be estimated, of the acceleration nothing.
-pub(crate) struct SlowMotion {
-    pub(crate) time_s: Vec<f64>,
-    pub(crate) angle_rad: Vec<f64>,
-    pub(crate) velocity_rad_s: Vec<f64>,
-    pub(crate) torque_mnm: Vec<f64>,
-}
-
-impl SlowMotion {
-    /// Of checked samples; `None` if the knob did not wander slowly through its travel.
-    pub(crate) fn of(samples: &Samples<'_>) -> Option<Self> {
-        let map = Map::of(samples, &Saturation::of(samples.torque_mnm), false)?;
-        let speed_rad_s = map.mean_speed_rad_s();
-        Some(Self {
-            time_s: map.time_s,
-            velocity_rad_s: map.directions.iter().map(|direction| f64::from(*direction) * speed_rad_s).collect(),
-            angle_rad: map.angle_rad,
-            torque_mnm: map.torque_mnm,
-        })
-    }
-}
-
 impl Map {
-    /// Way over time of all neighbouring rows of one pass, rad/s.
-    fn mean_speed_rad_s(&self) -> f64 {
-        let (mut way_rad, mut time_s) = (0.0, 0.0);
-        for at in (1..self.time_s.len()).filter(|at| self.directions[at - 1] == self.directions[*at]) {
-            way_rad += f64::from(self.directions[at]) * (self.angle_rad[at] - self.angle_rad[at - 1]);
-            time_s += self.time_s[at] - self.time_s[at - 1];
-        }
-        if time_s > 0.0 { way_rad / time_s } else { 0.0 }
-    }
-
-    /// Of checked samples; those of a curve have no duration that would make them too fast.
-    fn of(samples: &Samples<'_>, saturation: &Saturation, is_curve: bool) -> Option<Self> {
+    /// The map of checked samples; `None` if the knob did not wander slowly through its travel. A curve has no duration, so that it is never
+    /// too fast.
+    pub(crate) fn of(samples: &Samples<'_>, is_curve: bool) -> Option<Self> {
+        let saturation = Saturation::of(samples.torque_mnm);
         let step = smallest_step(samples.angle_rad);
         let duration_s = if is_curve { f64::INFINITY } else { samples.t_s.last()? - samples.t_s.first()? };
         let directions = directions(samples.angle_rad, duration_s, step)?;
         let index: Vec<usize> =
             (0..directions.len()).filter(|at| directions[*at] != 0 && !saturation.holds(*at)).collect();
-        let taken = |column: &[f64]| index.iter().map(|at| column[*at]).collect();
-        (index.len() >= FEWEST_SAMPLES).then(|| Self {
-            time_s: taken(samples.t_s),
-            angle_rad: taken(samples.angle_rad),
-            directions: index.iter().map(|at| directions[*at]).collect(),
-            torque_mnm: taken(samples.torque_mnm),
-        })
+        if index.len() < FEWEST_SAMPLES {
+            return None;
+        }
+        let taken = |column: &[f64]| -> Vec<f64> { index.iter().map(|at| column[*at]).collect() };
+        let (time_s, angle_rad) = (taken(samples.t_s), taken(samples.angle_rad));
+        let directions: Vec<i8> = index.iter().map(|at| directions[*at]).collect();
+        let speed_rad_s = mean_speed_rad_s(&time_s, &angle_rad, &directions);
+        let velocity_rad_s = directions.iter().map(|direction| f64::from(*direction) * speed_rad_s).collect();
+        let rate_hz = (index.len() - 1) as f64 / (time_s[index.len() - 1] - time_s[0]);
+        let columns = [time_s, angle_rad, velocity_rad_s, vec![0.0; index.len()]];
+        let motion = KnobMotion::as_given(columns, 0.5 * rate_hz);
+        Some(Self { motion, torque_mnm: taken(samples.torque_mnm), directions, saturation })
     }
 
     /// The frictions of the directions that have rows enough.
@@ -129,12 +104,12 @@ impl Map {
         self.directions.iter().map(|d| if *d == direction { f64::from(*d) } else { 0.0 }).collect()
     }
 
-    fn notes(&self, saturation: &Saturation) -> Vec<String> {
+    fn notes(&self) -> Vec<String> {
         let mut notes = vec![format!(
             "the knob turned too slowly for its speed to be measured: torque against angle and direction was fitted, from {} passes",
             self.directions.chunk_by(|one, other| one == other).count()
         )];
-        notes.extend(saturation.note("torque", "mNm"));
+        notes.extend(self.saturation.note("torque", "mNm"));
         notes
     }
 }
@@ -157,7 +132,7 @@ impl Fitted {
         if let Some(Harmonic { per_turn, amplitude_mnm, phase_rad, .. }) = harmonics.first() {
             let base = sums.width();
             let pair = [amplitude_mnm * phase_rad.cos(), amplitude_mnm * phase_rad.sin()];
-            sums.push(matching_pursuit::tangent(&map.angle_rad, *per_turn, pair));
+            sums.push(matching_pursuit::tangent(&map.motion.angle_rad, *per_turn, pair));
             if let Some(wider) = sums.estimate() {
                 let deviation = wider.covariance[(base, base)].max(0.0).sqrt();
                 period_half_width_rad = critical() * deviation / per_turn.powi(2);
@@ -258,23 +233,24 @@ impl Fitted {
         effects
     }
 
-    /// The rows; of the speed only its direction and its mean over the passes can be estimated.
     fn points(&self, map: &Map) -> Vec<Point> {
         let residual = self.sums.residual(&self.estimate.coefficients);
         let deviation_mnm = prediction_sd(&self.sums.columns, &self.estimate.covariance);
-        let (speed_rad_s, critical) = (map.mean_speed_rad_s(), critical());
-        let point = |at: usize| Point {
-            t_s: map.time_s[at],
-            angle_rad: map.angle_rad[at],
-            velocity_rad_s: f64::from(map.directions[at]) * speed_rad_s,
-            acceleration_rad_s2: 0.0,
-            torque_mnm: map.torque_mnm[at],
-            torque_model_mnm: map.torque_mnm[at] - residual[at],
-            torque_model_ci95_mnm: critical * deviation_mnm[at],
-            residual_mnm: residual[at],
-        };
-        (0..map.time_s.len()).map(point).collect()
+        let critical = critical();
+        let point =
+            |at: usize| Point::of(map.motion.at(at), map.torque_mnm[at], residual[at], critical * deviation_mnm[at]);
+        (0..residual.len()).map(point).collect()
     }
+}
+
+/// Way over time of all neighbouring rows of one pass, rad/s.
+fn mean_speed_rad_s(time_s: &[f64], angle_rad: &[f64], directions: &[i8]) -> f64 {
+    let (mut way_rad, mut duration_s) = (0.0, 0.0);
+    for at in (1..time_s.len()).filter(|at| directions[at - 1] == directions[*at]) {
+        way_rad += f64::from(directions[at]) * (angle_rad[at] - angle_rad[at - 1]);
+        duration_s += time_s[at] - time_s[at - 1];
+    }
+    if duration_s > 0.0 { way_rad / duration_s } else { 0.0 }
 }
 
 fn interval(value: f64, half: f64) -> [f64; 2] {

@@ -136,35 +136,6 @@ impl LeastSquares {
         }
     }
 
-    /// The same fit by instrumental variables: the residual is made orthogonal to the `instruments`, one per column,
-    /// which noise in the columns then does not bias. [`Self::robust`] wants the instruments.
-    pub(crate) fn instrumented<C: Deref<Target = [f64]>>(
-        self,
-        columns: &[C],
-        instruments: &[C],
-        target: &[f64],
-    ) -> Self {
-        let active = self.active();
-        let size = |columns: &[C], index: usize| dot(&columns[index], &columns[index]).sqrt();
-        let cross = DMatrix::from_fn(active.len(), active.len(), |row, column| {
-            let (row, column) = (active[row], active[column]);
-            dot(&instruments[row], &columns[column]) / (size(instruments, row) * size(columns, column))
-        });
-        let Some(inverse) = cross.try_inverse() else { return self };
-        let mut solution = self;
-        solution.inverse.fill(0.0);
-        solution.coefficients.fill(0.0);
-        for (row, at) in active.iter().enumerate() {
-            for (column, other) in active.iter().enumerate() {
-                let share = inverse[(row, column)] / (size(columns, *at) * size(instruments, *other));
-                solution.inverse[(*at, *other)] = share;
-                solution.coefficients[*at] += share * dot(&instruments[*other], target);
-            }
-        }
-        solution.residual = residual(columns, target, &solution.coefficients);
-        solution
-    }
-
     /// The columns that were fitted.
     fn active(&self) -> Vec<usize> {
         (0..self.coefficients.len()).filter(|column| !self.collinear[*column] && !self.at_zero[*column]).collect()

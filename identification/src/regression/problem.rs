@@ -274,15 +274,6 @@ impl<'a> Problem<'a> {
         Some((places, negative.iter().zip(&**positive).map(|(one, other)| one + other).collect()))
     }
 
-    /// All `columns`, the inertia's from the rows of another sensor's acceleration.
-    pub(crate) fn instruments(&self, columns: &[Column], acceleration: &Column) -> Vec<Column> {
-        let mut instruments = columns.to_vec();
-        for column in &self.inertial {
-            instruments[*column] = acceleration.clone();
-        }
-        instruments
-    }
-
     /// Rows of minus the model torque's derivative by time: its coefficient is the torque's delay in seconds.
     pub(crate) fn delay_column(&self, coefficients: &[f64]) -> Column {
         let velocity = &self.motion.velocity_rad_s;

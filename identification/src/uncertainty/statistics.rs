@@ -113,13 +113,14 @@ pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     *values.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
-/// Mean and slope per sample of the straight line through a signal at `places` 0, 1, ….
-pub(crate) fn line(signal: &[f64], places: &[f64]) -> (f64, f64) {
+/// A signal at `places` 0, 1, … without its straight line.
+pub(crate) fn without_line(signal: &[f64], places: &[f64]) -> impl Iterator<Item = f64> {
     let count = signal.len() as f64;
     let middle = 0.5 * (count - 1.0);
     let mean = vector::sum(signal) / count;
     let moment = dot(places, signal) - middle * count * mean;
-    (mean, moment / (count * (count * count - 1.0) / 12.0))
+    let slope = moment / (count * (count * count - 1.0) / 12.0);
+    signal.iter().zip(places).map(move |(value, place)| value - mean - slope * (place - middle))
 }
 
 /// What `of` makes of every value and up to `reach` neighbours on either side of it.

@@ -22,12 +22,12 @@ use crate::preparation::motion::{Band, KnobMotion, gradient, scatter};
 use crate::preparation::row_filter::RowFilter;
 use crate::preparation::sensor_noise::SensorNoise;
 use crate::preparation::uniform::Uniform;
-use crate::quasi_static::SlowMotion;
+use crate::quasi_static::Map;
 use crate::samples::{FitError, Samples, span};
 use crate::uncertainty::statistics::{quantile, rms};
 
-/// Upper edge of the comparison, Hz: contact and shaft show below it, a rig's own resonances lie above.
-const EDGE_HZ: f64 = 200.0;
+/// Widest upper edge of the comparison, Hz: contact and shaft show below it, a rig's own resonances lie above.
+pub(crate) const EDGE_HZ: f64 = 200.0;
 /// The edge is at most this share of the sample rate.
 const WIDEST: f64 = 0.1;
 /// Skew allowed between torque and motion, in samples.
@@ -138,72 +138,69 @@ impl Capture {
         let squares_of_steps = of_steps_rad_s2.as_ref().map_or(0.0, |rows| dot(rows, rows));
         let acceleration_noise_rad_s2 = (noise.acceleration_squares.max(squares_of_steps) / weight).sqrt();
         let acceleration = row_filter.rows(&motion.acceleration_rad_s2);
-        let mut capture = Self {
-            start_s,
-            rate_hz,
+        let capture = Self {
             torque_noise_mnm: resting_mnm.map_or(white_mnm, |resting| resting.max(white_mnm)),
-            white_torque_noise_mnm: white_mnm,
             acceleration_noise_rad_s2,
             of_steps_rad_s2,
             acceleration_noise_share: acceleration_noise_rad_s2 / (dot(&acceleration, &acceleration) / weight).sqrt(),
-            weight,
             angle_step_rad: smallest_step(samples.angle_rad),
-            band,
-            motions: (0..motion.len()).map(|index| motion.at(index)).collect(),
-            motion,
-            row_filter,
-            torque: [torque, rate, curvature],
-            is_map: false,
-            undetermined: Vec::new(),
-            scene: Scene::default(),
+            ..Self::without_motion_noise(band, motion, row_filter, [torque, rate, curvature], white_mnm)
         };
-        capture.scene = capture.measured_scene();
-        Ok(capture)
+        Ok(capture.since(start_s))
     }
 
-    /// Takes a map, torque against angle and direction, row by row as it is.
-    pub(crate) fn of_map(map: SlowMotion, stretches: Stretches) -> Self {
-        let SlowMotion { time_s, angle_rad, velocity_rad_s, torque_mnm } = map;
-        let count = time_s.len();
-        let rate_hz = (count - 1) as f64 / (time_s[count - 1] - time_s[0]);
-        let start_s = time_s[0];
-        let since_start_s = time_s.iter().map(|time_s| time_s - start_s).collect();
-        let columns = [since_start_s, angle_rad, velocity_rad_s, vec![0.0; count]];
-        let motion = KnobMotion::as_given(columns, 0.5 * rate_hz);
-        let length = count.div_ceil(MAP_STRETCHES).max(1);
-        let mask: Vec<f64> = (0..count).map(|row| stretches.weight(row / length)).collect();
-        let torque_noise_mnm = scatter(&torque_mnm);
-        // All rows are compared as they are; the edge is that of the finest torque of the angle that is looked for.
-        let speed_rad_s = motion.velocity_rad_s.first().map_or(0.0, |velocity| velocity.abs());
-        let edge_hz = (MAP_PER_TURN * speed_rad_s / TAU).min(0.5 * rate_hz);
-        let mut capture = Self {
-            start_s,
-            rate_hz,
-            band: Band::fixed(edge_hz, torque_noise_mnm),
+    /// A capture whose motion has no noise and whose torque has white noise of this RMS in the rows, mNm; not yet with a scene.
+    fn without_motion_noise(
+        band: Band,
+        motion: KnobMotion,
+        row_filter: RowFilter,
+        torque: [Vec<f64>; 3],
+        torque_noise_mnm: f64,
+    ) -> Self {
+        Self {
+            start_s: 0.0,
+            rate_hz: row_filter.rate_hz,
+            band,
             torque_noise_mnm,
             white_torque_noise_mnm: torque_noise_mnm,
             acceleration_noise_rad_s2: 0.0,
             of_steps_rad_s2: None,
             acceleration_noise_share: 0.0,
-            weight: mask.iter().sum(),
+            weight: row_filter.weight(),
             angle_step_rad: smallest_step(&motion.angle_rad),
-            motions: (0..count).map(|index| motion.at(index)).collect(),
-            row_filter: RowFilter {
-                rate_hz,
-                mask,
-                fir: Fir::identity(),
-                step: 1,
-                threshold_rad_s: 0.0,
-                response: None,
-            },
+            motions: (0..motion.len()).map(|index| motion.at(index)).collect(),
             motion,
-            torque: [torque_mnm, vec![0.0; count], vec![0.0; count]],
-            is_map: true,
+            row_filter,
+            torque,
+            is_map: false,
             undetermined: Vec::new(),
             scene: Scene::default(),
-        };
-        capture.scene = capture.measured_scene();
-        capture
+        }
+    }
+
+    /// The same with the time of its first sample, s, and with its scene measured.
+    fn since(self, start_s: f64) -> Self {
+        Self { start_s, scene: self.measured_scene(), ..self }
+    }
+
+    /// Takes a map, torque against angle and direction, row by row as it is.
+    pub(crate) fn of_map(map: Map, stretches: Stretches) -> Self {
+        let Map { mut motion, torque_mnm, .. } = map;
+        let (count, start_s) = (motion.len(), motion.time_s[0]);
+        motion.time_s.iter_mut().for_each(|time_s| *time_s -= start_s);
+        let rate_hz = 2.0 * motion.cutoff_hz;
+        let length = count.div_ceil(MAP_STRETCHES).max(1);
+        let mask = (0..count).map(|row| stretches.weight(row / length)).collect();
+        let row_filter =
+            RowFilter { rate_hz, mask, fir: Fir::identity(), step: 1, threshold_rad_s: 0.0, response: None };
+        let torque_noise_mnm = scatter(&torque_mnm);
+        // All rows are compared as they are; the edge is that of the finest torque of the angle that is looked for.
+        let speed_rad_s = motion.velocity_rad_s.first().map_or(0.0, |velocity| velocity.abs());
+        let edge_hz = (MAP_PER_TURN * speed_rad_s / TAU).min(0.5 * rate_hz);
+        let band = Band::fixed(edge_hz, torque_noise_mnm);
+        let torque = [torque_mnm, vec![0.0; count], vec![0.0; count]];
+        let capture = Self::without_motion_noise(band, motion, row_filter, torque, torque_noise_mnm);
+        Self { is_map: true, ..capture }.since(start_s)
     }
 
     /// The same without the rows beyond the angles of another capture; `None` where nothing or hardly anything is beyond,
@@ -232,11 +229,6 @@ impl Capture {
     /// Skew allowed between torque and motion, s: clocks and conversions differ by less.
     pub(crate) fn largest_skew_s(&self) -> f64 {
         SKEW_SAMPLES / self.rate_hz
-    }
-
-    /// The edge up to which a capture of this rate is compared, Hz.
-    pub(crate) fn widest_edge_hz() -> f64 {
-        EDGE_HZ
     }
 
     /// RMS of the residual that noise alone leaves beside a knob of this inertia, mNm.
@@ -307,12 +299,12 @@ impl Capture {
         (dot(&difference, &difference) / self.weight).sqrt()
     }
 
-    /// The motion at every sample.
     /// Rows in a second, Hz.
     pub(crate) fn row_rate_hz(&self) -> f64 {
         self.rate_hz / self.row_filter.step as f64
     }
 
+    /// The motion at every sample.
     pub(crate) fn motions(&self) -> &[Motion] {
         &self.motions
     }

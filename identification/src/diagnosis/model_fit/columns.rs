@@ -28,44 +28,28 @@ impl Structure {
     /// The same of an effect that depends on others, or on what was before.
     fn dependent_rows(&self, index: usize, motion: &KnobMotion, row_filter: &RowFilter) -> Vec<Vec<f64>> {
         let effect = &self.effects[index];
-        let mut values = vec![0.0; self.widths()[index]];
-        let mut each = |row: &dyn Fn(usize, &mut [f64])| {
-            row_filter.rows_of(values.len(), |range, columns| {
-                for (place, at) in range.enumerate() {
-                    if row_filter.mask[at] == 0.0 {
-                        values.fill(0.0);
-                    } else {
-                        row(at, &mut values);
-                    }
-                    columns.iter_mut().zip(&values).for_each(|(column, value)| column[place] = *value);
-                }
-            })
-        };
-        let Some(regressors) = effect.kind().regressors else {
-            if let Part::Bristles(bristles) = effect.kind().part {
+        let width = self.widths()[index];
+        match (effect.kind().part, effect.kind().regressors) {
+            (Part::Bristles(bristles), _) => {
                 let deflections = deflections(bristles(effect.values()), motion);
-                return each(&|at, row| row[0] = Bristles::bending_rad_s(deflections[at], motion.velocity_rad_s[at]));
+                row_filter.rows_by_sample(width, |at, row| {
+                    row[0] = Bristles::bending_rad_s(deflections[at], motion.velocity_rad_s[at]);
+                })
             }
-            if let Part::LoadFriction(_) = effect.kind().part {
+            (Part::LoadFriction(_), _) => {
                 let model = self.model();
-                return each(&|at, row| {
+                row_filter.rows_by_sample(width, |at, row| {
                     let now = motion.at(at);
                     row[0] = now.velocity_sign() * model.load_mnm(&now).abs();
-                });
+                })
             }
-            return Vec::new();
-        };
-        let all = |motion: &Motion| filled(effect, regressors, motion);
-        match effect.kind().part {
-            Part::Friction(_) | Part::FrictionTable(_) => {
-                let columns = self.friction_columns(effect, regressors, motion, false);
-                each(&columns)
+            (Part::Friction(_) | Part::FrictionTable(_), Some(regressors)) => {
+                row_filter.rows_by_sample(width, self.friction_columns(effect, regressors, motion, false))
             }
-            Part::CoulombFactor(_) | Part::FrictionFactor(_) => {
-                let coulomb_only = matches!(effect.kind().part, Part::CoulombFactor(_));
-                let friction_mnm = self.friction_mnm(motion, coulomb_only);
-                each(&|at, row| {
-                    let (friction_mnm, factors) = (friction_mnm(at), all(&motion.at(at)));
+            (part @ (Part::CoulombFactor(_) | Part::FrictionFactor(_)), Some(regressors)) => {
+                let friction_mnm = self.friction_mnm(motion, matches!(part, Part::CoulombFactor(_)));
+                row_filter.rows_by_sample(width, |at, row| {
+                    let (friction_mnm, factors) = (friction_mnm(at), filled(effect, regressors, &motion.at(at)));
                     row.iter_mut().zip(factors).for_each(|(slot, factor)| *slot = friction_mnm * factor);
                 })
             }
@@ -82,17 +66,11 @@ impl Structure {
         let columns_at = self.friction_columns(effect, own, &capture.motion, of_coulomb);
         let (width, depth) = (self.columns[friction], self.columns[factor]);
         let mut frictions = vec![0.0; width];
-        let rows = capture.row_filter.rows_of(width * depth, |range, columns| {
-            for (place, at) in range.enumerate() {
-                if capture.row_filter.mask[at] == 0.0 {
-                    columns.iter_mut().for_each(|column| column[place] = 0.0);
-                    continue;
-                }
-                columns_at(at, &mut frictions);
-                let factors = filled(by, others, &capture.motion.at(at));
-                for (columns, friction) in columns.chunks_mut(depth).zip(&frictions) {
-                    columns.iter_mut().zip(factors).for_each(|(column, factor)| column[place] = friction * factor);
-                }
+        let rows = capture.row_filter.rows_by_sample(width * depth, |at, products| {
+            columns_at(at, &mut frictions);
+            let factors = filled(by, others, &capture.motion.at(at));
+            for (products, friction) in products.chunks_mut(depth).zip(&frictions) {
+                products.iter_mut().zip(factors).for_each(|(product, factor)| *product = friction * factor);
             }
         });
         rows.chunks(depth).map(<[_]>::to_vec).collect()
@@ -108,20 +86,6 @@ impl Structure {
             columns.iter_mut().zip(row).for_each(|(column, value)| column[at] = value);
         }
         columns
-    }
-
-    /// Rows of what friction on the load adds to the columns of the effect at an index, a load, by a factor at every sample.
-    pub(crate) fn rubbing_rows(&self, index: usize, capture: &Capture, load_factor: &[f64]) -> Vec<Vec<f64>> {
-        let effect = &self.effects[index];
-        let Some(regressors) = effect.kind().regressors.filter(|_| effect.kind().is_of_the_load()) else {
-            return Vec::new();
-        };
-        capture.row_filter.rows_of(self.columns[index], |range, columns| {
-            for (place, at) in range.enumerate() {
-                let row = filled(effect, regressors, &capture.motion.at(at));
-                columns.iter_mut().zip(row).for_each(|(column, value)| column[place] = load_factor[at] * value);
-            }
-        })
     }
 
     /// By how much friction that grows with the load adds to the torques of the load, as a share of them, at every sample; `None` without such

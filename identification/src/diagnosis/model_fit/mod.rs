@@ -2,6 +2,7 @@
 
 pub(crate) mod columns;
 pub(crate) mod intervals;
+mod kept;
 mod lobes;
 pub(crate) mod nonlinear;
 pub(crate) mod separable;

@@ -379,15 +379,10 @@ fn residuals(structures: &[&Structure], capture: &Capture, resolution: Resolutio
         let delay_s = structure.delay_s();
         let at_delay = target.take().filter(|(of_s, _)| *of_s == delay_s);
         let (_, target) = target.insert(at_delay.unwrap_or_else(|| (delay_s, capture.target(delay_s))));
-        left_by(&readings_mnm, target, capture)
+        let readings = capture.row_filter.rows(&readings_mnm);
+        target.iter().zip(&readings).map(|(target, reading)| target - reading).collect()
     };
     structures.iter().zip(readings_mnm).map(left).collect()
-}
-
-/// What given readings leave of a target, in rows.
-fn left_by(readings_mnm: &[f64], target: &[f64], capture: &Capture) -> Vec<f64> {
-    let simulated = capture.row_filter.rows(readings_mnm);
-    target.iter().zip(&simulated).map(|(target, torque)| target - torque).collect()
 }
 
 /// Rows below a share of the comparison's band.

@@ -1,11 +1,11 @@
 //! The fit of a structure without coupling: coefficients are linear, the few searched parameters follow by Gauss–Newton.
 
 use std::borrow::Cow;
-use std::sync::Arc;
 
 use dynamics::{Effect, Part};
 
 use crate::diagnosis::capture::Capture;
+use crate::diagnosis::model_fit::kept::{Kept, Product, changed};
 use crate::diagnosis::model_fit::structure::{Searched, Structure};
 use crate::numerics::vector::{dot, subtract};
 use crate::regression::least_squares::{LeastSquares, residual};
@@ -22,26 +22,11 @@ const FACTOR_STEPS: usize = 6;
 /// … and the relative gain that ends them.
 const FACTORS_SETTLED: f64 = 1e-4;
 
-/// Rows of the products of a friction's columns and a factor's, by the indices of both effects: a factor multiplies levels that are coefficients too.
-#[derive(Clone)]
-struct Product {
-    friction: usize,
-    factor: usize,
-    /// For each column of the friction one for each of the factor.
-    rows: Vec<Vec<Vec<f64>>>,
-}
-
-/// Columns at every sample of each effect of the load, by its index; none where no friction grows with the load.
-type Loads = Vec<(usize, Arc<Vec<Vec<f64>>>)>;
-
-/// A structure in one capture: its rows, made anew only where a value changed.
+/// A structure in one capture.
 pub(crate) struct Separable<'a> {
     pub(crate) capture: &'a Capture,
     pub(crate) structure: Structure,
-    /// Rows of each effect's columns.
-    rows: Vec<Vec<Vec<f64>>>,
-    products: Vec<Product>,
-    loads: Loads,
+    kept: Kept,
     target: Vec<f64>,
     pub(crate) coefficients: Vec<f64>,
     pub(crate) residual: Vec<f64>,
@@ -50,45 +35,23 @@ pub(crate) struct Separable<'a> {
 impl<'a> Separable<'a> {
     /// The structure with its linear coefficients fitted to the capture.
     pub(crate) fn new(structure: Structure, capture: &'a Capture) -> Self {
-        let rows = (0..structure.effects.len()).map(|index| rows(&structure, index, capture)).collect();
-        let products = products(&structure, |friction, factor| structure.product_rows(friction, factor, capture));
         let nothing = vec![0.0; structure.nonnegative().len()];
-        let loads = loads(&structure, capture, &Loads::new());
-        Self::solved(capture, structure, rows, products, loads, nothing)
+        let kept = Kept::default().updated(&Structure::new(&[]), &structure, capture);
+        Self::solved(capture, structure, kept, nothing)
     }
 
     /// The fit with one effect more, of which the first `columns` take part.
     pub(crate) fn with(&self, effect: Effect, columns: usize) -> Self {
         let structure = self.structure.with(effect, columns);
-        let same_bristles = structure.bristles() == self.structure.bristles();
-        let each = |index: usize| match self.rows.get(index) {
-            Some(rows) if same_bristles || !structure.depends_on_others(index) => rows.clone(),
-            _ => rows(&structure, index, self.capture),
-        };
-        let rows = (0..structure.effects.len()).map(each).collect();
-        let known = |friction, factor| {
-            let is = |product: &&Product| product.friction == friction && product.factor == factor;
-            self.products.iter().find(is).filter(|_| same_bristles).map(|product| product.rows.clone())
-        };
-        let products = products(&structure, |friction, factor| {
-            known(friction, factor).unwrap_or_else(|| structure.product_rows(friction, factor, self.capture))
-        });
         let mut coefficients = self.coefficients.clone();
         coefficients.resize(structure.nonnegative().len(), 0.0);
-        let loads = loads(&structure, self.capture, &self.loads);
-        Self::solved(self.capture, structure, rows, products, loads, coefficients)
+        let kept = self.kept.clone().updated(&self.structure, &structure, self.capture);
+        Self::solved(self.capture, structure, kept, coefficients)
     }
 
-    fn solved(
-        capture: &'a Capture,
-        structure: Structure,
-        rows: Vec<Vec<Vec<f64>>>,
-        products: Vec<Product>,
-        loads: Loads,
-        coefficients: Vec<f64>,
-    ) -> Self {
+    fn solved(capture: &'a Capture, structure: Structure, kept: Kept, coefficients: Vec<f64>) -> Self {
         let target = capture.target(structure.delay_s());
-        let mut fit = Self { capture, structure, rows, products, loads, target, coefficients, residual: Vec::new() };
+        let mut fit = Self { capture, structure, kept, target, coefficients, residual: Vec::new() };
         fit.solve();
         fit
     }
@@ -110,14 +73,12 @@ impl<'a> Separable<'a> {
         let middle_rad = 0.5 * (scene.lowest_rad + scene.highest_rad);
         let half_rad = 0.5 * scene.travel_rad().max(f64::MIN_POSITIVE);
         let share = move |angle_rad: f64| (angle_rad - middle_rad) / half_rad;
-        let bend = self.capture.row_filter.rows_of(BEND, |range, columns| {
-            for (row, angle_rad) in self.capture.motion.angle_rad[range].iter().enumerate() {
-                let share = share(*angle_rad);
-                columns.iter_mut().fold(share, |power, column| {
-                    column[row] = power;
-                    power * share
-                });
-            }
+        let bend = self.capture.row_filter.rows_by_sample(BEND, |at, powers| {
+            let share = share(self.capture.motion.angle_rad[at]);
+            powers.iter_mut().fold(share, |power, slot| {
+                *slot = power;
+                power * share
+            });
         });
         let columns: Vec<&[f64]> = self.columns().into_iter().chain(bend.iter().map(Vec::as_slice)).collect();
         let mut nonnegative = self.structure.nonnegative();
@@ -129,7 +90,7 @@ impl<'a> Separable<'a> {
 
     /// All columns' rows.
     pub(crate) fn columns(&self) -> Vec<&[f64]> {
-        self.rows.iter().flatten().map(Vec::as_slice).collect()
+        self.kept.rows.iter().flatten().map(Vec::as_slice).collect()
     }
 
     /// Solves for the coefficients.
@@ -139,7 +100,7 @@ impl<'a> Separable<'a> {
     /// replace them.
     fn solve(&mut self) {
         let nonnegative = self.structure.nonnegative();
-        if self.products.is_empty() && self.structure.load_frictions().is_empty() {
+        if self.kept.products.is_empty() && self.structure.load_frictions().is_empty() {
             let solved = LeastSquares::held(&self.columns(), &self.target, &nonnegative, &[]);
             self.structure.take(&solved.coefficients);
             (self.coefficients, self.residual) = (solved.coefficients, solved.residual);
@@ -165,10 +126,10 @@ impl<'a> Separable<'a> {
     fn take(&mut self, coefficients: Vec<f64>) {
         self.structure.take(&coefficients);
         for factor in self.structure.factors() {
-            self.rows[factor] = self.factor_rows(factor, &coefficients);
+            self.kept.rows[factor] = self.factor_rows(factor, &coefficients);
         }
         for index in self.structure.load_frictions() {
-            self.rows[index] = self.load_rows(&coefficients);
+            self.kept.rows[index] = self.load_rows(&coefficients);
         }
         self.residual = residual(&self.columns(), &self.target, &coefficients);
         self.coefficients = coefficients;
@@ -178,7 +139,7 @@ impl<'a> Separable<'a> {
     fn load_rows(&self, coefficients: &[f64]) -> Vec<Vec<f64>> {
         let (capture, ranges) = (self.capture, self.structure.ranges());
         let mut load_mnm = vec![0.0; capture.motion.len()];
-        for (index, columns) in &self.loads {
+        for (index, columns) in &self.kept.loads {
             for (coefficient, column) in coefficients[ranges[*index].clone()].iter().zip(columns.iter()) {
                 subtract(&mut load_mnm, -coefficient, column);
             }
@@ -191,8 +152,8 @@ impl<'a> Separable<'a> {
     fn factor_rows(&self, factor: usize, coefficients: &[f64]) -> Vec<Vec<f64>> {
         let ranges = self.structure.ranges();
         let mut sums = vec![vec![0.0; self.target.len()]; ranges[factor].len()];
-        for product in self.products.iter().filter(|product| product.factor == factor) {
-            for (level, rows) in coefficients[ranges[product.friction].clone()].iter().zip(&product.rows) {
+        for product in self.kept.products.iter().filter(|product| product.factor == factor) {
+            for (level, rows) in coefficients[ranges[product.friction].clone()].iter().zip(&*product.rows) {
                 sums.iter_mut().zip(rows).for_each(|(sum, row)| subtract(sum, -level, row));
             }
         }
@@ -215,16 +176,18 @@ impl<'a> Separable<'a> {
             subtract(columns[column].to_mut(), -by, row);
             subtract(target.to_mut(), -by * self.coefficients[column], row);
         };
-        for Product { friction, factor, rows } in &self.products {
+        for Product { friction, factor, rows } in &self.kept.products {
             let depths = &self.coefficients[ranges[*factor].clone()];
-            for (level, rows) in ranges[*friction].clone().zip(rows) {
+            for (level, rows) in ranges[*friction].clone().zip(&**rows) {
                 rows.iter().zip(depths).for_each(|(row, depth)| multiply(level, *depth, row));
             }
         }
-        for (index, range) in ranges.into_iter().enumerate() {
-            let rubbing = load_factor.map(|factor| self.structure.rubbing_rows(index, self.capture, factor));
-            for (column, row) in range.zip(rubbing.iter().flatten()) {
-                multiply(column, 1.0, row);
+        if let Some(factor) = load_factor {
+            for (index, loads) in &self.kept.loads {
+                for (column, load) in ranges[*index].clone().zip(&**loads) {
+                    let rubbing: Vec<f64> = load.iter().zip(factor).map(|(load, factor)| load * factor).collect();
+                    multiply(column, 1.0, &self.capture.row_filter.rows(&rubbing));
+                }
             }
         }
         (columns, target)
@@ -239,17 +202,7 @@ impl<'a> Separable<'a> {
         if self.structure.delay_s() != before.delay_s() {
             self.target = self.capture.target(self.structure.delay_s());
         }
-        let changed = changed(&before, &self.structure);
-        for index in &changed {
-            self.rows[*index] = rows(&self.structure, *index, self.capture);
-        }
-        self.loads.retain(|(index, _)| !changed.contains(index));
-        self.loads = loads(&self.structure, self.capture, &self.loads);
-        for product in &mut self.products {
-            if [product.friction, product.factor].iter().any(|index| changed.contains(index)) {
-                product.rows = self.structure.product_rows(product.friction, product.factor, self.capture);
-            }
-        }
+        self.kept = std::mem::take(&mut self.kept).updated(&before, &self.structure, self.capture);
         self.solve();
     }
 
@@ -366,56 +319,6 @@ impl<'a> Separable<'a> {
         }
         searched
     }
-}
-
-/// The products of what rubs and the factors on it, with these rows.
-fn products(structure: &Structure, rows: impl Fn(usize, usize) -> Vec<Vec<Vec<f64>>>) -> Vec<Product> {
-    let factors = structure.factors();
-    let frictions = structure.frictions().into_iter();
-    frictions
-        .flat_map(|friction| factors.iter().map(move |factor| (friction, *factor)))
-        .map(|(friction, factor)| Product { friction, factor, rows: rows(friction, factor) })
-        .collect()
-}
-
-/// Rows of an effect's columns; empty for the friction of the load, whose rows follow from the coefficients.
-fn rows(structure: &Structure, index: usize, capture: &Capture) -> Vec<Vec<f64>> {
-    match structure.effects[index].kind().part {
-        Part::LoadFriction(_) => vec![Vec::new()],
-        _ => capture.rows_of(structure, index),
-    }
-}
-
-/// The loads of a structure, those that are known taken over.
-fn loads(structure: &Structure, capture: &Capture, known: &Loads) -> Loads {
-    if structure.load_frictions().is_empty() {
-        return Vec::new();
-    }
-    let of_the_load = (0..structure.effects.len()).filter(|index| structure.effects[*index].kind().is_of_the_load());
-    let columns = |index: usize| match known.iter().find(|(known, _)| *known == index) {
-        Some((_, columns)) => columns.clone(),
-        None => Arc::new(structure.columns_at_samples(index, capture)),
-    };
-    of_the_load.map(|index| (index, columns(index))).collect()
-}
-
-/// Effects whose columns differ between two structures of the same effects.
-fn changed(before: &Structure, after: &Structure) -> Vec<usize> {
-    let bristles = before.bristles() != after.bristles();
-    (0..after.effects.len())
-        .filter(|index| {
-            let (old, new) = (&before.effects[*index], &after.effects[*index]);
-            let of_friction = matches!(
-                new.kind().part,
-                Part::Friction(_)
-                    | Part::FrictionTable(_)
-                    | Part::CoulombFactor(_)
-                    | Part::FrictionFactor(_)
-                    | Part::Bristles(_)
-            );
-            old != new || bristles && of_friction
-        })
-        .collect()
 }
 
 #[cfg(test)]

@@ -101,9 +101,7 @@ impl Structure {
             effect.values_mut()[..2].copy_from_slice(&[limit_mnm, limit_mnm]);
             return more;
         }
-        let last = more.effects.len().saturating_sub(1);
-        more.effects.insert(last, Effect::new(&karnopp_stick::KIND, &[limit_mnm, limit_mnm, 0.0]));
-        more.columns.insert(last, 0);
-        more
+        let stick = Effect::new(&karnopp_stick::KIND, &[limit_mnm, limit_mnm, 0.0]);
+        self.with_at(self.effects.len().saturating_sub(1), stick, 0)
     }
 }

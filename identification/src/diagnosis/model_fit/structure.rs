@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use dynamics::effects::{self, end_stop};
-use dynamics::{Bristles, Effect, Model, Part, Regressors, Scene};
+use dynamics::{Bristles, Effect, Minimum, Model, Part, Scene};
 
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::lobes::Lobes;
@@ -62,11 +62,11 @@ impl Structure {
         more
     }
 
-    /// The structure with an effect without columns at an index.
-    pub(crate) fn with_at(&self, index: usize, effect: Effect) -> Self {
+    /// The structure with one effect more at an index.
+    pub(crate) fn with_at(&self, index: usize, effect: Effect, columns: usize) -> Self {
         let mut more = self.clone();
         more.effects.insert(index, effect);
-        more.columns.insert(index, 0);
+        more.columns.insert(index, columns);
         more
     }
 
@@ -151,18 +151,15 @@ impl Structure {
     pub(crate) fn nonnegative(&self) -> Vec<bool> {
         let mut signs = Vec::new();
         for (effect, width) in self.effects.iter().zip(self.widths()) {
-            let parameters = effect.kind().parameters;
-            for column in 0..width {
-                let is_load = matches!(effect.kind().part, Part::LoadFriction(_));
-                signs.push(
-                    is_load
-                        || regressors(effect).is_some_and(|r| {
-                            let direct = r.searched.is_empty() && r.columns == parameters.len();
-                            r.nonnegative.contains(&column)
-                                || direct && parameters[column].minimum != dynamics::Minimum::None
-                        }),
-                );
-            }
+            let kind = effect.kind();
+            let is_load = matches!(kind.part, Part::LoadFriction(_));
+            let is_bounded = |column: usize| {
+                kind.regressors.is_some_and(|r| {
+                    let direct = r.searched.is_empty() && r.columns == kind.parameters.len();
+                    r.nonnegative.contains(&column) || direct && kind.parameters[column].minimum != Minimum::None
+                })
+            };
+            signs.extend((0..width).map(|column| is_load || is_bounded(column)));
         }
         signs
     }
@@ -171,7 +168,7 @@ impl Structure {
     pub(crate) fn freedom(&self) -> usize {
         let searched = |(effect, columns): (&Effect, &usize)| match effect.kind().hypothesis {
             Some(_) => effect.kind().free_searches(*columns).count() - end_stop::absent_sides(effect),
-            None => regressors(effect).map_or(0, |r| r.searched.len()),
+            None => effect.kind().regressors.map_or(0, |r| r.searched.len()),
         };
         // One limit for both directions is tried.
         let limits = usize::from(self.is_coupled() && self.sticks());
@@ -210,7 +207,7 @@ impl Structure {
         for (index, effect) in self.effects.iter().enumerate() {
             if effect.kind().hypothesis.is_none() {
                 // What every fit has is searched near its value.
-                for parameter in regressors(effect).map_or(&[][..], |r| r.searched) {
+                for parameter in effect.kind().regressors.map_or(&[][..], |r| r.searched) {
                     let value = effect.values()[*parameter];
                     all.push(Searched::Parameter {
                         effect: index,
@@ -271,8 +268,4 @@ impl Structure {
     fn indices(&self, is: impl Fn(Part) -> bool) -> Vec<usize> {
         (0..self.effects.len()).filter(|index| is(self.effects[*index].kind().part)).collect()
     }
-}
-
-fn regressors(effect: &Effect) -> Option<Regressors> {
-    effect.kind().regressors
 }

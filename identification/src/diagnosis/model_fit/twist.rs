@@ -55,7 +55,7 @@ pub(crate) fn settled(structure: Structure, train: &Capture) -> Structure {
     let Some(((index, effect), (bare, behind))) = of(&structure).zip(unwound(&structure, train)) else {
         return structure;
     };
-    unequal::settled(bare, &behind).structure.with_at(index, effect)
+    unequal::settled(bare, &behind).structure.with_at(index, effect, 0)
 }
 
 /// Whether a coupling is a shaft, whose bodies do not lose touch.

@@ -29,6 +29,7 @@ const HELD: f64 = 1e-3;
 
 /// Columns of the units' heights, and of their places at the present heights, each sample's multiplied by one and what `more` adds.
 fn columns_of(lobes: &Lobes, capture: &Capture, more: impl Fn(usize) -> f64 + Sync) -> Vec<Vec<f64>> {
+    // Of the many columns a sample has its part in five: the others are not looked at.
     capture.row_filter.rows_of(2 * lobes.units(), |range, columns| {
         columns.iter_mut().for_each(|column| column.fill(0.0));
         for (row, index) in range.enumerate() {
@@ -71,10 +72,7 @@ fn fitted_anew(structure: &Structure, capture: &Capture, start: impl Fn(Lobes) -
     let (fitted, _) = fitted(start(Lobes::of(&structure.effects[index])?), structure, index, capture)?;
     // It keeps its place among the effects.
     let (effect, columns) = (*fitted.effects.last()?, *fitted.columns.last()?);
-    let mut refined = fitted.without(fitted.effects.len() - 1);
-    refined.effects.insert(index, effect);
-    refined.columns.insert(index, columns);
-    Some(refined)
+    Some(fitted.without(fitted.effects.len() - 1).with_at(index, effect, columns))
 }
 
 /// The structure with lobes in the place of the detents at an index, fitted from where they are, and the sum of squares that it leaves.
@@ -91,21 +89,27 @@ fn fitted(mut lobes: Lobes, structure: &Structure, index: usize, capture: &Captu
     nonnegative.drain(range);
     nonnegative.resize(rest_columns.len() + 2 * lobes.units(), false);
     let mut columns = columns_of(&lobes, capture, more);
-    let mut squares = self::squares(&lobes, &columns, &rest_columns, &target, &nonnegative);
+    let solve = |lobes: &Lobes, columns: &[Vec<f64>]| solved(lobes, columns, &rest_columns, &target, &nonnegative);
+    let heights_alone = |lobes: &Lobes, columns: &[Vec<f64>]| solve(lobes, &columns[..lobes.units()]);
+    let squares_of = |lobes: &Lobes, columns: &[Vec<f64>]| {
+        let left = heights_alone(lobes, columns).residual;
+        dot(&left, &left)
+    };
+    let mut squares = squares_of(&lobes, &columns);
     refiner::refine(STEPS, SETTLED, squares, |left| {
-        let step = solved(&lobes, &columns, &rest_columns, &target, &nonnegative).coefficients;
+        let step = solve(&lobes, &columns).coefficients;
         let (heights_mnm, shifts_rad) = step[rest_columns.len()..].split_at(lobes.units());
         let better = longest_improving(0.4, |share| {
             let moved = lobes.moved(heights_mnm, shifts_rad, share)?;
             let columns = columns_of(&moved, capture, more);
-            let now = self::squares(&moved, &columns, &rest_columns, &target, &nonnegative);
+            let now = squares_of(&moved, &columns);
             (now < left).then_some((now, moved, columns))
         });
         let (now, moved, moved_columns) = better?;
         (squares, lobes, columns) = (now, moved, moved_columns);
         Ok(now)
     });
-    let heights = solved(&lobes, &columns[..lobes.units()], &rest_columns, &target, &nonnegative).coefficients;
+    let heights = heights_alone(&lobes, &columns).coefficients;
     let lobes = lobes.with_heights(&heights[rest_columns.len()..]);
     Some((whole.structure.without(index).with(lobes.effect()?, 1), squares))
 }
@@ -166,10 +170,4 @@ fn solved(lobes: &Lobes, columns: &[Vec<f64>], rest: &[&[f64]], target: &[f64], 
     });
     let all: Vec<&[f64]> = rest.iter().copied().chain(columns.iter().map(Vec::as_slice)).collect();
     LeastSquares::held(&all, target, &nonnegative[..all.len()], &holds.collect::<Vec<_>>())
-}
-
-/// Sum of squares that lobes leave, whatever their heights.
-fn squares(lobes: &Lobes, columns: &[Vec<f64>], rest: &[&[f64]], target: &[f64], nonnegative: &[bool]) -> f64 {
-    let left = solved(lobes, &columns[..lobes.units()], rest, target, nonnegative).residual;
-    dot(&left, &left)
 }

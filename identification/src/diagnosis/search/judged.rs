@@ -133,8 +133,7 @@ impl Judged {
     pub(crate) fn steadily_better_than(&self, other: &Self) -> f64 {
         let mut gains = stretches(&other.train_residual, &self.train_residual);
         gains.extend(stretches(&other.heldout_residual, &self.heldout_residual));
-        gains.retain(|gain| gain.abs() > DIFFERS);
-        if gains.len() < FEWEST_DIFFERING { 0.0 } else { mean_over_error(&gains) }
+        where_differing(gains).map_or(0.0, |gains| mean_over_error(&gains))
     }
 }
 
@@ -146,12 +145,14 @@ fn cost(structure: &Structure, train: &Capture, heldout: &Capture) -> f64 {
 /// Probability that by chance `after` is, stretch after stretch, as much smaller than `before` as it is; one where the two differ
 /// in too few stretches to say.
 pub(crate) fn p_value(before: &[f64], after: &[f64]) -> f64 {
-    let mut gains = stretches(before, after);
+    let gains = where_differing(stretches(before, after));
+    gains.map_or(1.0, |gains| student_above(mean_over_error(&gains), (gains.len() - 1) as f64))
+}
+
+/// The gains of stretches in which two structures differ; `None` for too few.
+fn where_differing(mut gains: Vec<f64>) -> Option<Vec<f64>> {
     gains.retain(|gain| gain.abs() > DIFFERS);
-    if gains.len() < FEWEST_DIFFERING {
-        return 1.0;
-    }
-    student_above(mean_over_error(&gains), (gains.len() - 1) as f64)
+    (gains.len() >= FEWEST_DIFFERING).then_some(gains)
 }
 
 /// By how much the logarithm of the mean square falls in each stretch.

@@ -52,7 +52,7 @@ pub(crate) struct Search<'a> {
 }
 
 /// Everything that was found on the way.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) struct Found {
     /// The model without further effects, and then with each more.
     pub(crate) chain: Vec<Judged>,
@@ -161,15 +161,7 @@ impl Search<'_> {
 
     /// Adds effect after effect as long as one is worth it.
     pub(crate) fn explain(&self, first: Judged) -> Found {
-        let mut found = Found {
-            chain: vec![first],
-            added: Vec::new(),
-            rivals: Vec::new(),
-            false_discovery_rates: Vec::new(),
-            in_part: false,
-            partial: Vec::new(),
-            characteristics: Vec::new(),
-        };
+        let mut found = Found { chain: vec![first], ..Found::default() };
         let bare = found.clone();
         self.extend_and_revise(&mut found);
         if let Some(other) = self.begun_again(&bare, &found) {

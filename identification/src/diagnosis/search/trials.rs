@@ -90,7 +90,7 @@ impl Search<'_> {
         let on_shaft = |judged: Judged| {
             // What was tried is the last, also where it took the place of the detents.
             let last = judged.structure.effects.len() - 1;
-            let structure = judged.structure.with_at(index.min(last), shaft);
+            let structure = judged.structure.with_at(index.min(last), shaft, 0);
             judged.with_structure(structure, self.train, self.heldout)
         };
         Some(tried.map(on_shaft).collect())

@@ -34,10 +34,12 @@ pub(crate) fn forward(
 ) -> Result<ForwardFromCommand, &'static str> {
     let commanded = commanded.ok_or("a capture has no column of commanded torque; captures of a rig have one")?;
     let known = known.ok_or("nothing is known of the rig's motor without a calibration; lay one beside the capture")?;
-    let on_grid = |t_s: &[f64], commanded_mnm: &[f64], capture: &Capture| {
-        let mut commands_mnm = on_grid(t_s, commanded_mnm, capture);
-        take_off_cogging(&mut commands_mnm, capture.motions(), known);
-        commands_mnm
+    // What the motor's cogging takes, as far as it is known, reaches nothing else.
+    let cogging = known.motor_cogging.as_deref().unwrap_or_default();
+    let cogging_mnm = |motion: &Motion| cogging.iter().map(|harmonic| harmonic.at_mnm(motion.angle_rad)).sum::<f64>();
+    let on_grid = |t_s: &[f64], commanded_mnm: &[f64], capture: &Capture| -> Vec<f64> {
+        let commands_mnm = on_grid(t_s, commanded_mnm, capture).into_iter().zip(capture.motions());
+        commands_mnm.map(|(command_mnm, motion)| command_mnm - cogging_mnm(motion)).collect()
     };
     let of_train = on_grid(commanded.train_t_s, commanded.train, train);
     let motor = motor(known.motor_inertia, train, &of_train)
@@ -54,14 +56,6 @@ pub(crate) fn forward(
         }
     }
     Ok(ForwardFromCommand { angle_rms_rad, window_s: FORWARD_WINDOW_S, motor })
-}
-
-/// Leaves of the commands what the motor's cogging, as far as it is known, does not take.
-fn take_off_cogging(commands_mnm: &mut [f64], motions: &[Motion], known: &Calibration) {
-    let cogging = known.motor_cogging.as_deref().unwrap_or_default();
-    for (command_mnm, motion) in commands_mnm.iter_mut().zip(motions) {
-        *command_mnm -= cogging.iter().map(|harmonic| harmonic.at_mnm(motion.angle_rad)).sum::<f64>();
-    }
 }
 
 /// The command that holds at each motion, mNm.

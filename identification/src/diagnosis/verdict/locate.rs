@@ -71,7 +71,10 @@ pub(crate) fn locate(residual: &[f64], structure: &Structure, capture: &Capture)
     let mut found: Vec<Location> =
         coordinates.into_iter().map(|(name, unit, at)| mapped(name, unit, &at, &values)).collect();
     found.push(spectrum(residual, &rows, capture));
-    control_false_discoveries(&mut found);
+    let p_values: Vec<f64> = found.iter().map(|location| location.p_value).collect();
+    for location in &mut found {
+        location.significant = false_discovery_rate(location.p_value, &p_values) <= FALSE_DISCOVERIES;
+    }
     found.sort_by(|a, b| b.explained_percent.total_cmp(&a.explained_percent));
     found
 }
@@ -173,13 +176,6 @@ fn binned(values: &[f64]) -> Vec<usize> {
         bins[index] = rank * BINS / values.len();
     }
     bins
-}
-
-fn control_false_discoveries(found: &mut [Location]) {
-    let p_values: Vec<f64> = found.iter().map(|location| location.p_value).collect();
-    for location in found {
-        location.significant = false_discovery_rate(location.p_value, &p_values) <= FALSE_DISCOVERIES;
-    }
 }
 
 /// Angle turned since the last reversal, with the sign of the direction, rad.

@@ -7,18 +7,13 @@
 //! W(ω) = 1/(1 + (ω/ω₀)⁴) for the encoder, 1 − W for the accelerometer,   ω₀⁴ = S_a/S_θ
 //! ```
 //!
-//! That is the stationary fixed-interval Kalman smoother of a motion of which nothing is known beforehand
-//! ([`blend`]). [`kalman_smoother`] is the same smoother in its recursive form, with a prior: white jerk.
-
-mod kalman_smoother;
+//! That is the stationary fixed-interval Kalman smoother of a motion of which nothing is known beforehand ([`blend`]).
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 use crate::preparation::motion::{gradient, low_pass, prompt};
 use crate::preparation::spectrum::{Spectrum, white_density};
 use crate::uncertainty::statistics::{mean, rms};
-
-pub(crate) use kalman_smoother::kalman_smoother;
 
 /// Largest disagreement of both sensors, relative, where both see well.
 const DISAGREEMENT: f64 = 0.1;
@@ -35,8 +30,6 @@ pub(crate) struct Sensors<'a> {
     angle_rad: &'a [f64],
     /// Acceleration with the sensor's lag undone, rad/s².
     prompt_rad_s2: Vec<f64>,
-    /// Acceleration as the sensor gave it, rad/s².
-    acceleration_rad_s2: &'a [f64],
     /// Second derivative of the angle, rad/s².
     second_derivative_rad_s2: Vec<f64>,
     /// Whether a grid point was measured.
@@ -59,7 +52,7 @@ impl<'a> Sensors<'a> {
     pub(crate) fn of(
         angle_rad: &'a [f64],
         encoder_rad: &[f64],
-        acceleration_rad_s2: &'a [f64],
+        acceleration_rad_s2: &[f64],
         present: &'a [bool],
         lag_s: f64,
         rate_hz: f64,
@@ -71,7 +64,6 @@ impl<'a> Sensors<'a> {
         let sensors = Self {
             angle_rad,
             prompt_rad_s2: prompt(acceleration_rad_s2, lag_s, rate_hz),
-            acceleration_rad_s2,
             second_derivative_rad_s2: gradient(&gradient(angle_rad, rate_hz), rate_hz),
             present,
             lag_s,
@@ -88,10 +80,8 @@ impl<'a> Sensors<'a> {
     /// The encoder's noise as the disagreement of both sensors shows it where they take turns: the steps of a coarse
     /// encoder make less noise there than at the upper end of the spectrum, where a moving knob puts them.
     fn with_density_in_band(mut self, cutoff_hz: f64) -> Self {
-        let difference: Vec<f64> =
-            self.prompt_rad_s2.iter().zip(&self.second_derivative_rad_s2).map(|(a, b)| a - b).collect();
         let turns = CLEAR_OF_SENSOR * self.equal_hz..=cutoff_hz;
-        let density = Spectrum::welch(&difference, self.rate_hz).median_of(turns, |frequency_hz, density| {
+        let density = Spectrum::welch(&self.disagreement(), self.rate_hz).median_of(turns, |frequency_hz, density| {
             let square = (TAU * frequency_hz).powi(2);
             (density - self.sensor_density * (1.0 + square * self.lag_s.powi(2))) / (square * square)
         });
@@ -100,6 +90,15 @@ impl<'a> Sensors<'a> {
             self.equal_hz = (self.sensor_density / density).powf(0.25) / TAU;
         }
         self
+    }
+
+    /// The accelerometer's reading less the encoder's second derivative, rad/s².
+    fn disagreement(&self) -> Vec<f64> {
+        self.prompt_rad_s2
+            .iter()
+            .zip(&self.second_derivative_rad_s2)
+            .map(|(sensor, encoder)| sensor - encoder)
+            .collect()
     }
 
     /// Whether both sensors say the same below the frequency where they are equally noisy.
@@ -122,12 +121,7 @@ impl<'a> Sensors<'a> {
 /// the angle θ + K·d with K = (1 − W)/s² = −G(s)·G(−s), G(s) = s/(s² + √2·ω₀·s + ω₀²): a band-pass run forwards and
 /// backwards. As only the sensors' disagreement is filtered, a motion on which they agree passes unchanged.
 pub(crate) fn blend(sensors: &Sensors<'_>) -> Vec<f64> {
-    let mut correction: Vec<f64> = sensors
-        .prompt_rad_s2
-        .iter()
-        .zip(&sensors.second_derivative_rad_s2)
-        .map(|(sensor, encoder)| sensor - encoder)
-        .collect();
+    let mut correction = sensors.disagreement();
     without_gaps(&mut correction, sensors.present);
     for _ in 0..2 {
         band_pass(&mut correction, sensors.equal_hz, sensors.rate_hz);
@@ -173,7 +167,7 @@ mod tests {
     use rand_xoshiro::Xoshiro256PlusPlus;
     use rand_xoshiro::rand_core::SeedableRng as _;
 
-    use super::{Sensors, blend, kalman_smoother};
+    use super::{Sensors, blend};
     use crate::preparation::motion::{gradient, low_pass};
     use crate::uncertainty::statistics::rms;
 
@@ -207,19 +201,17 @@ mod tests {
     }
 
     #[test]
-    fn the_blend_is_as_good_as_the_recursive_smoother_and_better_than_either_sensor() {
+    fn the_blend_is_better_than_either_sensor() {
         let present = vec![true; 16_000];
-        let (mut blended, mut smoothed, mut encoder_alone, mut sensor_alone) = (0.0, 0.0, 0.0, 0.0);
+        let (mut blended, mut encoder_alone, mut sensor_alone) = (0.0, 0.0, 0.0);
         for seed in 1..=8 {
             let [_, truth, encoder, sensor] = motion(seed);
             let sensors = Sensors::of(&encoder, &encoder, &sensor, &present, 0.0, RATE_HZ, 300.0).expect("they agree");
             let twice = |angle: &[f64]| gradient(&gradient(angle, RATE_HZ), RATE_HZ);
             blended += error(&twice(&blend(&sensors)), &truth);
-            smoothed += error(&kalman_smoother(&sensors)[2], &truth);
             encoder_alone += error(&twice(&encoder), &truth);
             sensor_alone += error(&sensor, &truth);
         }
-        assert!(blended < 1.02 * smoothed, "the blend is off by {blended}, the recursive smoother by {smoothed}");
         assert!(blended < sensor_alone.min(encoder_alone), "{blended}, alone {encoder_alone} and {sensor_alone}");
     }
 
