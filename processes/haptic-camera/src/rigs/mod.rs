@@ -116,7 +116,7 @@ fn torque_request(file: &Path, rate_hz: Option<f64>, duration_s: f64) -> anyhow:
 }
 
 /// From the least of the values to the most; negative of none.
-pub fn span(values: impl IntoIterator<Item = f64>) -> f64 {
+fn span(values: impl IntoIterator<Item = f64>) -> f64 {
     let values = values.into_iter();
     let (least, most) = values.fold((f64::MAX, f64::MIN), |(least, most), value| (least.min(value), most.max(value)));
     most - least
