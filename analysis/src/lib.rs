@@ -3,6 +3,7 @@
 //! The command line and the Python package both take every result from here, as JSON or as a page, and so report the same
 //! numbers.
 
+mod calibration;
 mod check;
 mod comparison;
 mod diagnosis;
@@ -12,11 +13,13 @@ mod fit;
 mod paper;
 mod rendering;
 mod result;
+mod rig_check;
 mod rig_test;
 mod row;
 mod sheet;
 mod simulation;
 
+pub use calibration::CalibrationKind;
 pub use check::{Check, CheckedQuantity, Shown};
 pub use comparison::Comparing;
 pub use diagnosis::{DiagnosisResult, diagnose, diagnose_within, diagnosed_model, refuse_drawn};
@@ -25,6 +28,7 @@ pub use facts::{facts, fit_page, title};
 pub use fit::{AverageResult, FitResult, common_truth, fit, fit_options, fit_with, mean_fit, titles};
 pub use rendering::{RenderedCaptures, holding_torque_mnm, rendering};
 pub use result::{MADE_BY, to_json, to_json_on};
+pub use rig_check::{Reading, RigCheck};
 pub use rig_test::{Commanded, rig_test};
 pub use row::{Cell, Row};
 pub use sheet::{Judgements, curve_files, curves, judged, load_specification, sheet_page};
