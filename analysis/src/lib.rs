@@ -1,4 +1,4 @@
-//! Fits, diagnoses and simulations of loaded captures, and their results as JSON.
+//! What loaded captures tell: fits, diagnoses, simulations, checks, comparisons and studies, and their results as JSON.
 //!
 //! The command line and the Python package both take every result from here, as JSON or as a page, and so report the same
 //! numbers.
@@ -18,6 +18,7 @@ mod rig_test;
 mod row;
 mod sheet;
 mod simulation;
+mod studies;
 
 pub use calibration::CalibrationKind;
 pub use check::{Check, CheckedQuantity, Shown};
@@ -34,3 +35,4 @@ pub use row::{Cell, Row};
 pub use sheet::{Judgements, curve_files, curves, judged, load_specification, sheet_page};
 pub use simulation::{Drive, Simulation, simulate};
 use simulation::{along_motion, torque_at_knob};
+pub use studies::{Study, StudyError};
