@@ -15,7 +15,7 @@ use crate::{AnalysisError, title};
 pub struct Check {
     /// What each capture shows.
     pub captures: Vec<Shown>,
-    /// The best word of all captures on each quantity, beside the model's.
+    /// Each quantity as the captures show it best, beside the model's value.
     pub agreement: Vec<CheckedQuantity>,
 }
 

@@ -39,7 +39,7 @@ struct Series<'run> {
     options: &'run CaptureOptions,
     interrupted: &'run AtomicBool,
     made: u64,
-    /// The worst end of one of them.
+    /// The worst outcome of any of them.
     worst: Outcome,
 }
 
@@ -137,7 +137,7 @@ pub(super) fn until_certain(
 }
 
 impl Series<'_> {
-    /// Makes one capture more; of one that was cut short gives how it ended, if it left an archive.
+    /// Makes one more capture; if it was cut short, the error is its outcome, `None` where it left no archive.
     fn add(&mut self, experiment: Experiment) -> anyhow::Result<Result<Taken, Option<Outcome>>> {
         let mut options = self.options.clone();
         let RunRequest { sweep, amplitude, rig, .. } = &mut options.request;
@@ -159,7 +159,7 @@ impl Series<'_> {
     }
 }
 
-/// How a command ends one of whose captures was cut short, so that it cannot say what it was made for.
+/// How a command ends when a capture that it rests on was cut short.
 fn cut_short(cut: Option<Outcome>, lacks: &str) -> Outcome {
     cut.inspect(|_| remark(lacks)).unwrap_or(Outcome::Failed)
 }

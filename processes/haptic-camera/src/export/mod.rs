@@ -161,7 +161,7 @@ fn metadata(loaded: &LoadedCapture, columns: &[(&str, Values<'_>)]) -> Vec<(Stri
     [software()].into_iter().chain(own).chain(units).chain(attached).collect()
 }
 
-/// Of a knob without any torque of the angle the header has its inertia and friction alone.
+/// The header of a knob without any torque that depends on the angle holds its inertia and friction alone.
 fn firmware_header(model: &Model, options: &ExportOptions) -> anyhow::Result<String> {
     let has_table = model.effects.iter().any(|effect| effect.kind().steepest_mnm_rad.is_some());
     let table = has_table.then(|| TorqueOverAngle::of(model, options.points, options.over)).transpose()?;

@@ -69,7 +69,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     Ok(if rendering.passed { whole } else { Outcome::Failed })
 }
 
-/// The report page, which tells of a gap among its notes.
+/// The report page, with what is known of a gap among its notes.
 fn page(model: &Model, fit: &Fit, rendering: &Rendering) -> String {
     let gap = rendering.lost_motion.iter().flat_map(table::lost_motion_in_words);
     let notes = gap.chain(rendering.notes.iter().cloned()).collect();
