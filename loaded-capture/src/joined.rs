@@ -8,7 +8,7 @@ use crate::LoadedCapture;
 const PAUSE_S: f64 = 1.0;
 
 impl LoadedCapture {
-    /// The samples of several captures in one, and the description of the first one's rig. Columns that one of them lacks are left out.
+    /// The samples of several captures, one at least, in one that is of the first one's rig. Columns that one of them lacks are left out.
     ///
     /// Between two captures lies a gap, as if samples had been lost: what spans it is left out of every comparison.
     #[must_use]
