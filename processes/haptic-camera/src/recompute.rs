@@ -55,7 +55,7 @@ pub struct Difference {
 /// Computes a replay again and says whether all torque commands are equal; failed where they are not.
 pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
     let capture = Capture::load(&options.capture)?;
-    let table = "the capture is a table; give the archive of a replay, which alone holds what is needed";
+    let table = "the capture is a table; give its archive: only the archive of a replay holds what is needed";
     let description = capture.description.as_ref().context(table)?;
     let version = &description.software_version;
     if version != env!("CARGO_PKG_VERSION") {
