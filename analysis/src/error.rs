@@ -20,6 +20,9 @@ pub enum AnalysisError {
         /// What is wrong with it.
         reason: FitError,
     },
+    /// A rendered knob that cannot be fitted.
+    #[error("the rendered knob cannot be fitted: {0}")]
+    Rendered(FitError),
     /// A diagnosis that could not reach a meaningful verdict.
     #[error(transparent)]
     Diagnosis(#[from] DiagnosisError),

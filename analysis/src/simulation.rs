@@ -11,6 +11,7 @@ use crate::error::same_axis;
 
 /// What a simulation takes from a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Drive {
     /// The motion: the model's torque is simulated.
     Motion,
@@ -55,18 +56,16 @@ pub fn simulate(model: &Model, like: &LoadedCapture, drive: Drive) -> Result<Sim
 }
 
 /// Columns of a simulated capture.
-#[derive(Clone, Debug)]
-pub struct Simulated {
+pub(crate) struct Simulated {
     angle_rad: Vec<f64>,
     velocity_rad_s: Vec<f64>,
     acceleration_rad_s2: Vec<f64>,
     /// Torque that the sensor reads, mNm.
-    pub torque_mnm: Vec<f64>,
+    pub(crate) torque_mnm: Vec<f64>,
 }
 
 /// What the sensor reads of the model along a given motion, what turns with the knob included.
-#[must_use]
-pub fn along_motion(model: &Model, gripper_inertia: f64, motions: &[Motion]) -> Simulated {
+pub(crate) fn along_motion(model: &Model, gripper_inertia: f64, motions: &[Motion]) -> Simulated {
     let mut torque_mnm = model.readings_mnm(motions);
     for (torque_mnm, motion) in torque_mnm.iter_mut().zip(motions) {
         *torque_mnm += gripper_inertia * motion.acceleration_rad_s2 - model.unsettled_friction_mnm(motion);
@@ -110,8 +109,7 @@ fn along_torque(
 }
 
 /// The captured torque without the sensor's zero.
-#[must_use]
-pub fn torque_at_knob(like: &LoadedCapture) -> Vec<f64> {
+pub(crate) fn torque_at_knob(like: &LoadedCapture) -> Vec<f64> {
     let zero = like.calibration.as_ref().map_or(0.0, |known| known.torque_zero_mnm);
     like.capture.torque_mnm.iter().map(|torque| torque - zero).collect()
 }

@@ -1,5 +1,7 @@
 //! A capture as every program loads it: the file, what is known of the rig that made it, and the columns that a fit takes.
 
+mod joined;
+
 use std::path::{Path, PathBuf};
 
 use archive::testers::{ColumnChoice, Curve};

@@ -78,6 +78,19 @@ impl LoopStatus {
         self.published_samples + self.dropped_samples
     }
 
+    /// Upper edge of the bin up to which such a share of the ticks was late, ns; `None` in the last bin, which has no edge.
+    #[must_use]
+    pub fn lateness_below_ns(&self, share: f64) -> Option<u64> {
+        let ticks: u64 = self.lateness_counts.iter().sum();
+        let wanted = (share * ticks as f64).ceil() as u64;
+        let mut counted = 0;
+        let bin = self.lateness_counts.iter().position(|count| {
+            counted += count;
+            counted >= wanted
+        });
+        LATENESS_BIN_EDGES_NS.get(bin?).copied()
+    }
+
     /// The bin of [`LoopStatus::lateness_counts`] for a lateness in ns.
     #[must_use]
     pub fn lateness_bin(lateness_ns: u64) -> usize {

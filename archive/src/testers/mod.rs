@@ -46,6 +46,24 @@ pub struct Curve {
 }
 
 impl Curve {
+    /// What the curves of one part are read from: of turns one curve, whose figures are known the better the longer it is;
+    /// of presses each by itself, as testers read them.
+    #[must_use]
+    pub fn evidence(curves: &[Self]) -> Vec<Self> {
+        let mut all = curves.iter().cloned();
+        let Some(mut whole) = all.next().filter(|curve| curve.axis == Axis::Rotary) else { return curves.to_vec() };
+        for curve in all {
+            let before_s = whole.t_s.as_ref().and_then(|t_s| t_s.last().copied()).unwrap_or(0.0);
+            if let (Some(t_s), Some(more)) = (&mut whole.t_s, &curve.t_s) {
+                let step_s = more.get(1).copied().unwrap_or(0.0) - more.first().copied().unwrap_or(0.0);
+                t_s.extend(more.iter().map(|time_s| before_s + step_s + time_s));
+            }
+            whole.position.extend(&curve.position);
+            whole.load.extend(&curve.load);
+        }
+        vec![whole]
+    }
+
     /// Reads a tester's file, with the columns as chosen or as its format has them.
     ///
     /// # Errors

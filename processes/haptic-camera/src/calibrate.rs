@@ -3,12 +3,13 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use analysis::CalibrationKind;
 use anyhow::Context as _;
 use clap::Args;
 use comfy_table::Table;
 use dynamics::Calibration;
-use identification::calibration::{self, CalibrateError, Calibrated, CoggingEstimate};
-use loaded_capture::{CALIBRATION_MARK, LoadedCapture};
+use identification::calibration::{self, Calibrated, CoggingEstimate};
+use loaded_capture::CALIBRATION_MARK;
 use rt_loop::request::{Pace, RunRequest};
 
 use crate::command_line::RigOptions;
@@ -38,22 +39,6 @@ pub struct CalibrateOptions {
     pub rig: RigOptions,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum CalibrationKind {
-    /// Gravity in the acceleration signal, from a slow turn of more than 360°.
-    Gravity,
-    /// The readings of torque sensor and accelerometer at rest, with nothing on the gripper.
-    Zero,
-    /// The gripper's inertia, from a sweep of the gripper alone.
-    Gripper,
-    /// Delays of torque and acceleration, from fast sines of the gripper alone.
-    Latency,
-    /// The motor's cogging, from slow turns of the gripper alone in both directions.
-    Cogging,
-    /// The motor's own inertia and friction, from a sweep of the gripper alone.
-    Friction,
-}
-
 /// Amplitude of the fast sines with nothing on the gripper, rad; on a linear axis the travel of a fingertip at that angle.
 const FAST_AMPLITUDE_RAD: f64 = 0.1;
 
@@ -62,7 +47,7 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     let given = options.rig.request.calibration.as_deref();
     let mut known = given.map(Calibration::load).transpose()?;
     let (captures, outcome) = if options.captures.is_empty() {
-        let (capture, outcome) = options.what.capture(&options.pace, &options.rig)?;
+        let (capture, outcome) = capture(options)?;
         (vec![capture], outcome)
     } else {
         (options.captures.clone(), Outcome::Done)
@@ -100,63 +85,21 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     Ok(outcome)
 }
 
-/// The delays of the channels, and of the motor where the capture says when a command acts.
-fn latency(loaded: &LoadedCapture, known: &Calibration) -> Result<Calibrated, CalibrateError> {
-    let samples = &loaded.samples();
-    let mut calibrated = calibration::latency(samples, known)?;
-    let late_ticks = loaded.capture.description.as_ref().and_then(|run| run.torque_late_ticks);
-    if let Some((commanded_mnm, late_ticks)) = loaded.commanded_torque_mnm().zip(late_ticks) {
-        match calibration::command_latency(samples, commanded_mnm, late_ticks) {
-            Ok(delay) => calibrated.estimates.push(delay),
-            Err(error) => calibrated.notes.push(format!("no delay of the motor: {error}")),
+/// Makes the capture that a calibration needs; gives it, and whether data was lost.
+fn capture(CalibrateOptions { what, pace, rig, .. }: &CalibrateOptions) -> anyhow::Result<(PathBuf, Outcome)> {
+    let alone =
+        |sweep: &str, duration_s| rig_run::request("none", sweep, duration_s, pace.clone(), rig.request.clone());
+    let travel = rt_loop::rigs::file(&rig.request)?.axis.fingertip_travel();
+    let request = match what {
+        CalibrationKind::Friction => alone("linear-chirp", 10.0),
+        CalibrationKind::Gravity | CalibrationKind::Cogging => alone("slow-turn", 15.0),
+        CalibrationKind::Zero => RunRequest { torque: true, ..alone("hold", 5.0) },
+        CalibrationKind::Gripper | CalibrationKind::Latency => {
+            RunRequest { amplitude: Some(FAST_AMPLITUDE_RAD * travel), ..alone("fast-multisine", 10.0) }
         }
-    }
-    Ok(calibrated)
-}
-
-impl CalibrationKind {
-    fn calibrate(self, loaded: &LoadedCapture, known: &Calibration) -> Result<Calibrated, CalibrateError> {
-        let samples = &loaded.samples();
-        match self {
-            Self::Cogging | Self::Friction => {
-                let commanded_mnm = loaded.commanded_torque_mnm().ok_or(CalibrateError::NoCommand)?;
-                let of_motor = if self == Self::Cogging { calibration::cogging } else { calibration::friction };
-                of_motor(samples, commanded_mnm, known)
-            }
-            Self::Gravity => calibration::gravity(samples, known),
-            Self::Zero => calibration::zero(samples, known),
-            Self::Gripper => calibration::gripper(samples, known),
-            Self::Latency => latency(loaded, known),
-        }
-    }
-
-    fn subject(self) -> &'static str {
-        match self {
-            Self::Gravity => "gravity",
-            Self::Zero => "zeros",
-            Self::Gripper => "gripper",
-            Self::Latency => "delays",
-            Self::Cogging => "cogging",
-            Self::Friction => "friction",
-        }
-    }
-
-    /// Makes the capture that it needs at this pace; gives it, and whether data was lost.
-    fn capture(self, pace: &Pace, rig: &RigOptions) -> anyhow::Result<(PathBuf, Outcome)> {
-        let alone =
-            |sweep: &str, duration_s| rig_run::request("none", sweep, duration_s, pace.clone(), rig.request.clone());
-        let travel = rt_loop::rigs::file(&rig.request)?.axis.fingertip_travel();
-        let request = match self {
-            Self::Friction => alone("linear-chirp", 10.0),
-            Self::Gravity | Self::Cogging => alone("slow-turn", 15.0),
-            Self::Zero => RunRequest { torque: true, ..alone("hold", 5.0) },
-            Self::Gripper | Self::Latency => {
-                RunRequest { amplitude: Some(FAST_AMPLITUDE_RAD * travel), ..alone("fast-multisine", 10.0) }
-            }
-        };
-        let interrupted = listen_for_interrupt()?;
-        rig_run::archive(request, rig, &format!("calibrate-{}", self.subject()), &interrupted)
-    }
+    };
+    let interrupted = listen_for_interrupt()?;
+    rig_run::archive(request, rig, &format!("calibrate-{}", what.subject()), &interrupted)
 }
 
 /// Writes the known calibration with the newly found values, in comments how well each is known and from where, and the

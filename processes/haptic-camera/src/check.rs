@@ -1,15 +1,10 @@
 //! `check`: what captures show without a fit, beside a fitted model.
 
-use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
 
+use analysis::{Check, CheckedQuantity, Shown};
 use clap::Args;
 use comfy_table::Table;
-use dynamics::{Axis, Direction, Model, Motion};
-use identification::checks::{Breakaway, DetentCount, FreeTravel, breakaways, count_detents, free_travel};
-use identification::statistics::{MEDIAN_MAGNITUDE, median, student_95};
-use loaded_capture::LoadedCapture;
-use serde::Serialize;
 
 use crate::command_line::ColumnOptions;
 use crate::load;
@@ -32,88 +27,16 @@ pub struct CheckOptions {
     pub json: Option<PathBuf>,
 }
 
-#[derive(Debug, Serialize)]
-struct Shown {
-    capture: String,
-    /// Detents counted, if the capture turns far enough both ways.
-    detents: Option<DetentCount>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    no_detents: Option<String>,
-    /// Torque at which the knob broke away in the negative direction, a magnitude.
-    static_negative: Option<Threshold>,
-    static_positive: Option<Threshold>,
-    /// Stretches in which the knob turned freely until it met what is behind its lost motion.
-    free_travel: Vec<FreeTravel>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    no_static: Option<String>,
-}
-
-/// The torque at which the knob breaks away in one direction.
-#[derive(Clone, Debug, Serialize)]
-pub struct Threshold {
-    /// Median magnitude, mNm; without the model's detents, if there is a model.
-    pub torque_mnm: f64,
-    /// Its 95 % interval from the scatter; `None` for a single breakaway.
-    pub ci95_mnm: Option<[f64; 2]>,
-    pub times: usize,
-}
-
-impl Threshold {
-    /// In the negative and the positive direction.
-    pub fn of(seen: &[Breakaway], model: Option<&Model>) -> [Option<Self>; 2] {
-        [Direction::Negative, Direction::Positive].map(|direction| {
-            let torque_mnm = |breakaway: &Breakaway| {
-                let rest = Motion { angle_rad: breakaway.angle_rad, ..Motion::default() };
-                direction.sign() * (breakaway.torque_mnm - model.map_or(0.0, |model| model.free_torque_mnm(&rest)))
-            };
-            let seen = seen.iter().filter(|breakaway| breakaway.direction == direction);
-            Self::from_torques(seen.map(torque_mnm).collect())
-        })
-    }
-
-    fn from_torques(mut torques: Vec<f64>) -> Option<Self> {
-        if torques.is_empty() {
-            return None;
-        }
-        let torque_mnm = median(&mut torques);
-        let count = torques.len() as f64;
-        let mut distances: Vec<f64> = torques.iter().map(|torque| (torque - torque_mnm).abs()).collect();
-        let scatter = median(&mut distances) / MEDIAN_MAGNITUDE;
-        // A median is √(π/2) times as uncertain as a mean.
-        let half = student_95(count - 1.0) * FRAC_PI_2.sqrt() * scatter / count.sqrt();
-        let ci95_mnm = (torques.len() > 1).then_some([torque_mnm - half, torque_mnm + half]);
-        Some(Self { torque_mnm, ci95_mnm, times: torques.len() })
-    }
-}
-
-/// A quantity by its check and by the model.
-#[derive(Debug, Serialize)]
-struct Agreement {
-    quantity: &'static str,
-    unit: &'static str,
-    checked: f64,
-    ci95: Option<[f64; 2]>,
-    model: Option<f64>,
-    difference_percent: Option<f64>,
-}
-
-#[derive(Debug, Serialize)]
-struct Check {
-    captures: Vec<Shown>,
-    agreement: Vec<Agreement>,
-}
-
 pub fn run(options: &CheckOptions) -> anyhow::Result<()> {
     let model = options.model.as_deref().map(load::model).transpose()?;
     let (mut captures, mut axes) = (Vec::new(), Vec::new());
     for path in &options.captures {
         let loaded = load::load_chosen(path, &options.columns)?;
         axes.push(loaded.capture.axis);
-        captures.push(look(&loaded, model.as_ref())?);
+        captures.push(Shown::of(&loaded, model.as_ref())?);
     }
     let axis = load::common_axis(axes)?;
-    withhold_breakaways(axis, &mut captures);
-    let check = Check { agreement: agreement(axis, &captures, model.as_ref()), captures };
+    let check = Check::of(axis, captures, model.as_ref());
     let found = if check.agreement.is_empty() {
         "found neither detents nor breakaways".to_owned()
     } else {
@@ -124,98 +47,7 @@ pub fn run(options: &CheckOptions) -> anyhow::Result<()> {
     write_json(axis, &options.json, &check)
 }
 
-fn look(loaded: &LoadedCapture, model: Option<&Model>) -> anyhow::Result<Shown> {
-    let samples = loaded.samples();
-    let counted = count_detents(&samples);
-    let no_detents = counted.as_ref().err().map(ToString::to_string);
-    let seen = breakaways(&samples, loaded.calibration.as_ref())?;
-    let [static_negative, static_positive] = Threshold::of(&seen, model);
-    let free_travel = free_travel(&samples, loaded.calibration.as_ref())?;
-    let capture = analysis::title(loaded);
-    let detents = counted.ok();
-    Ok(Shown { capture, detents, no_detents, static_negative, static_positive, free_travel, no_static: None })
-}
-
-/// Takes back all breakaways of a knob that one of its captures shows to have lost motion: where its cap sets out through
-/// the gap looks like a breakaway, and what bears the torque beyond it rests at an angle that the encoder does not see.
-fn withhold_breakaways(axis: Axis, captures: &mut [Shown]) {
-    let ways: Vec<f64> = captures.iter().flat_map(|shown| &shown.free_travel).map(FreeTravel::travel_rad).collect();
-    if ways.is_empty() {
-        return;
-    }
-    let longest_rad = ways.iter().copied().fold(0.0, f64::max);
-    let reason = format!(
-        "static_negative and static_positive are not identifiable: the knob turned freely, {} and for up to {}, \
-         before it met any torque, and the start of motion through such backlash looks like a breakaway; remove the \
-         backlash, or run `diagnose`",
-        times_in_words(ways.len()),
-        way_in_words(axis, longest_rad)
-    );
-    for shown in captures {
-        (shown.static_negative, shown.static_positive) = (None, None);
-        shown.no_static = Some(reason.clone());
-    }
-}
-
-/// A way as it is read: an angle in degrees too.
-fn way_in_words(axis: Axis, way_rad: f64) -> String {
-    match axis {
-        Axis::Rotary => format!("{:.2}° ({way_rad:.3} rad)", way_rad.to_degrees()),
-        Axis::Linear => format!("{way_rad:.3} mm"),
-    }
-}
-
-fn times_in_words(times: usize) -> String {
-    if times == 1 { "once".to_owned() } else { format!("{times} times") }
-}
-
-impl Shown {
-    fn in_words(&self, axis: Axis) -> String {
-        let mut words: Vec<String> = self.no_detents.iter().cloned().collect();
-        words.extend(self.detents.as_ref().map(|count| {
-            let way = match axis {
-                Axis::Rotary => format!("{:.0}°", count.turned_rad.to_degrees()),
-                Axis::Linear => way_in_words(axis, count.turned_rad),
-            };
-            format!("{} detents in {way}", count.detents)
-        }));
-        for (threshold, direction) in [(&self.static_negative, "negative"), (&self.static_positive, "positive")] {
-            let times = threshold.as_ref().map(|threshold| times_in_words(threshold.times));
-            words.extend(times.map(|times| format!("broke away {times} in the {direction} direction")));
-        }
-        words.extend(self.no_static.clone());
-        words.join("; ")
-    }
-}
-
-/// The best word of all captures on each quantity, beside the model's.
-fn agreement(axis: Axis, captures: &[Shown], model: Option<&Model>) -> Vec<Agreement> {
-    let mut agreement = Vec::new();
-    let mut add = |quantity, unit, checked: f64, ci95, model: Option<f64>| {
-        let difference_percent = model.map(|model| 100.0 * (checked / model - 1.0));
-        agreement.push(Agreement { quantity, unit, checked, ci95, model, difference_percent });
-    };
-    let counted = captures.iter().filter_map(|shown| shown.detents.as_ref());
-    if let Some(count) = counted.max_by(|a, b| a.turned_rad.total_cmp(&b.turned_rad)) {
-        let period = model.and_then(|model| model.parameter("detent_period"));
-        let per_turn_ci95 = [1.0 / count.period_ci95_rad[1], 1.0 / count.period_ci95_rad[0]];
-        if axis.is_rotary() {
-            add("detents per turn", "", count.per_turn, Some(per_turn_ci95), period.map(|period| 1.0 / period));
-        }
-        add("detent_period", "rad", count.period_rad, Some(count.period_ci95_rad), period);
-    }
-    let mut add_static = |quantity, of: fn(&Shown) -> &Option<Threshold>| {
-        if let Some(threshold) = captures.iter().filter_map(|shown| of(shown).as_ref()).max_by_key(|seen| seen.times) {
-            let fitted = model.and_then(|model| model.parameter(quantity));
-            add(quantity, "mNm", threshold.torque_mnm, threshold.ci95_mnm, fitted);
-        }
-    };
-    add_static("static_negative", |shown| &shown.static_negative);
-    add_static("static_positive", |shown| &shown.static_positive);
-    agreement
-}
-
-fn table(agreement: &[Agreement]) -> Table {
+fn table(agreement: &[CheckedQuantity]) -> Table {
     let rows = agreement.iter().map(|row| {
         let digits = digits(row.ci95.map_or(1e-3 * row.checked.abs(), |[low, high]| high - low));
         [
@@ -228,18 +60,4 @@ fn table(agreement: &[Agreement]) -> Table {
         ]
     });
     terminal::table(["quantity", "seen", "95 % interval", "fitted", "difference", "unit"], 1..5, rows)
-}
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
-
-    use super::Threshold;
-
-    #[test]
-    fn the_interval_of_two_breakaways_is_students_of_one_degree_of_freedom() {
-        // Median 2, magnitudes of the differences 0.1: 12.706 · √(π/2) · 0.1/0.67449 / √2.
-        let [low, high] = Threshold::from_torques(vec![1.9, 2.1]).unwrap().ci95_mnm.unwrap();
-        assert!((0.5 * (high - low) - 1.669_5).abs() < 1e-3, "{low} to {high}");
-    }
 }

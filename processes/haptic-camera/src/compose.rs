@@ -118,8 +118,8 @@ impl Sources {
     }
 }
 
-/// What the model may replace: one that was composed before, so that a number is changed and felt again. Refuses a place where
-/// something would be lost: a fitted model, a drawn table or a capture costs more to have again.
+/// What the model may replace: an earlier composed model, so that a number can be changed and felt again. Refuses a place where
+/// something would be lost: a fitted model, a drawn table or a capture is harder to make again.
 fn replaced(options: &ComposeOptions) -> anyhow::Result<Replace> {
     let out = &options.out;
     if options.overwrite {

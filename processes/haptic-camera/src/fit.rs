@@ -7,11 +7,10 @@ use anyhow::Context as _;
 use archive::whole_file::Replace;
 use clap::Args;
 use comfy_table::Table;
-use dynamics::effects::detent::canonical;
-use dynamics::{Model, effects};
+use dynamics::Model;
 use identification::{Agreement, Average, Fit, MeasuredCurve, Parameter, PreparationMethod};
 use loaded_capture::LoadedCapture;
-use report::AveragePage;
+use report::{AveragePage, true_value};
 
 use crate::command_line::ColumnOptions;
 use crate::load;
@@ -178,21 +177,8 @@ fn parameter_table(fit: &Fit, truth: Option<&Model>) -> Table {
     table(header, [1, 2, 4], fit.parameters.0.iter().map(row))
 }
 
-/// The true value as the fit would write it: detents with positive amplitude.
-pub fn true_value(model: &Model, name: &str) -> Option<f64> {
-    let detent = model.effect(effects::detent::KIND.name).map(|detent| {
-        let values = detent.values();
-        canonical(values[0], values[2])
-    });
-    match (name, detent) {
-        ("detent_amplitude", Some((amplitude, _))) => Some(amplitude),
-        ("detent_phase", Some((_, phase))) => Some(phase),
-        _ => model.parameter(name),
-    }
-}
-
 fn truth_cells(parameter: &Parameter, model: &Model, digits: usize) -> [String; 2] {
-    let Some(value) = true_value(model, parameter.name) else { return ["none".to_owned(), String::new()] };
+    let Some(value) = true_value(Some(model), parameter.name, None) else { return ["none".to_owned(), String::new()] };
     let inside = match parameter.ci95 {
         Some([low, high]) if (low..=high).contains(&value) => "in",
         Some(_) => "out",

@@ -14,7 +14,7 @@ const ARCHIVED_BYTES: f64 = 68.0;
 const LARGE: u64 = 18_000_000;
 const GIGABYTE: f64 = 1e9;
 
-/// Tells how large the archive of a run of so many ticks becomes, and the memory that its fit takes.
+/// Tells how large the archive of a run of so many ticks becomes, and how much memory its fit takes.
 pub fn tell(ticks: u64) {
     if ticks >= LARGE {
         let archived = ticks as f64 * ARCHIVED_BYTES;

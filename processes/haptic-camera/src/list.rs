@@ -29,7 +29,7 @@ pub struct ListOptions {
     pub json: Option<PathBuf>,
 }
 
-/// Endings of what lies beside a capture and was made of it: no captures, and no strangers.
+/// Endings of the files that commands write beside a capture, which are not listed.
 const RESULTS: [&str; 7] = ["toml", "json", "html", "rrd", "parquet", "h", "incomplete"];
 
 /// Lists the captures of a folder by time; a file that cannot be read is an entry.
@@ -68,9 +68,9 @@ enum Health {
     Truncated,
     /// The file contradicts itself.
     Damaged,
-    /// It is no capture.
+    /// The file is not a capture.
     Foreign,
-    /// The system does not let it be read.
+    /// The system refuses to read the file.
     Unreadable,
 }
 
@@ -81,7 +81,7 @@ struct Entry {
     /// What is wrong with a file that cannot be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     problem: Option<String>,
-    /// When the run began; of a table and of a file that cannot be read, when it was written.
+    /// When the run began; for a table or a file that cannot be read, when the file was written.
     captured_at: Option<String>,
     /// The knob, or the model of a replay.
     knob: Option<String>,
@@ -92,20 +92,20 @@ struct Entry {
     /// Sample rate, Hz.
     rate_hz: Option<f64>,
     samples: Option<u64>,
-    /// Runs of samples that are not.
+    /// Runs of missing samples.
     gaps: Option<u64>,
     lost_samples: Option<u64>,
-    /// Ticks that the loop missed; none from a table.
+    /// Ticks that the loop missed; `None` for a table.
     missed_ticks: Option<u64>,
     /// Ticks without new data from the rig.
     stale_ticks: Option<u64>,
     /// By how much the rig's clock was faster than the machine's, where the ticks followed it, ppm.
     clock_drift_ppm: Option<f64>,
-    /// Whether it was made of a broken archive.
+    /// Whether it was recovered from a broken archive.
     recovered: bool,
     #[serde(flatten)]
     quality: Quality,
-    /// When, ns since 1970: what the list is sorted by.
+    /// The same time in ns since 1970, by which the list is sorted.
     #[serde(skip)]
     captured_at_ns: u128,
 }
@@ -170,10 +170,10 @@ impl Entry {
     }
 }
 
-/// How good a capture's fit is: what the JSON beside it says, or a fit that is made for the purpose.
+/// How good a capture's fit is, from the JSON file beside it or else from a fit made for the list.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Quality {
-    /// RMS of what the model leaves, as a share of the torque, %.
+    /// RMS of the residual as a share of the torque, %.
     relative_error_percent: Option<f64>,
     /// Mean half width of the 95 % interval of the model's torque, mNm or N.
     #[serde(alias = "mean_ci95_n")]
@@ -181,7 +181,7 @@ struct Quality {
 }
 
 impl Quality {
-    /// Of a capture that can be read; nothing where it tells no model, or is too long to be fitted in passing.
+    /// The quality of a readable capture; empty if it cannot be fitted or is too long to be fitted for a list.
     fn of(path: &Path, samples: u64) -> Self {
         let beside = foreign_files::open(&path.with_extension("json")).ok();
         let written = beside.and_then(|json| serde_json::from_reader::<_, Self>(BufReader::new(json)).ok());

@@ -1,4 +1,4 @@
-//! Captures as commands load them.
+//! Captures as commands load them: with a remark where the calibration comes from a file of its own.
 
 use std::path::Path;
 
@@ -8,17 +8,17 @@ use loaded_capture::LoadedCapture;
 use crate::command_line::ColumnOptions;
 use crate::outcome::remark;
 
-/// Loads a capture or a tester's file, with such a remark.
+/// Loads a capture or a tester's file.
 pub fn load_measured(path: &Path, columns: &ColumnOptions) -> anyhow::Result<LoadedCapture> {
     Ok(with_remark(LoadedCapture::load_measured(path, columns.choice()?.as_ref())?))
 }
 
-/// Loads a capture whose columns may have been named, with such a remark.
+/// Loads a capture whose columns may have been named.
 pub fn load_chosen(path: &Path, columns: &ColumnOptions) -> anyhow::Result<LoadedCapture> {
     Ok(with_remark(LoadedCapture::load_chosen(path, columns.choice()?.as_ref())?))
 }
 
-/// Loads a capture, with a remark on the calibration's file if that is another.
+/// Loads a capture.
 pub fn load(path: &Path) -> anyhow::Result<LoadedCapture> {
     Ok(with_remark(LoadedCapture::load(path)?))
 }
@@ -33,7 +33,7 @@ pub fn names_model(name: &str) -> bool {
     knobs::is_shipped(name) || Path::new(name).extension().is_some_and(|ending| ending == "toml")
 }
 
-/// The axis that several captures must have in common; the turning one of none.
+/// The axis that several captures must have in common; without captures, the rotary one.
 pub fn common_axis(axes: impl IntoIterator<Item = Axis>) -> anyhow::Result<Axis> {
     let mut axes = axes.into_iter();
     let first = axes.next().unwrap_or_default();

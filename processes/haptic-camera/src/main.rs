@@ -33,7 +33,6 @@ mod rig_test;
 mod rigs;
 mod sheet;
 mod simulate;
-mod smartknob;
 mod studies;
 mod supervision;
 mod table;

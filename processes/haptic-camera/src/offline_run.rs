@@ -20,7 +20,7 @@ use crate::until_ci::{Share, StopRule};
 
 /// Time for which the rig is armed before the run begins, s.
 const ARMED_S: f64 = 0.3;
-/// Time between two estimates of what is known, as in a live run, s.
+/// Time between two estimates of the live fit, as in a live run, s.
 const ESTIMATES_S: f64 = 0.04;
 
 /// Makes the run asked for, and keeps its archive at `path`.
@@ -94,8 +94,8 @@ fn armed(plan: Plan) -> anyhow::Result<(Box<dyn Apparatus>, ControlState)> {
     Ok((apparatus, state))
 }
 
-/// Makes the run tick by tick. Every sample goes to `keep` as it comes, so that memory does not grow with the run; true from it
-/// ends the run.
+/// Makes the run tick by tick. Every sample goes to `keep` as it comes, so that memory does not grow with the run; the run ends
+/// once `keep` returns true.
 fn turn(
     (mut apparatus, mut state): (Box<dyn Apparatus>, ControlState),
     rate_hz: f64,

@@ -58,7 +58,7 @@ impl From<Outcome> for ExitCode {
     }
 }
 
-/// A call that cannot be meant as it is.
+/// A command line whose arguments do not go together.
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
 pub struct UsageError(pub anyhow::Error);
@@ -107,7 +107,7 @@ fn note_output(printed: std::io::Result<()>) {
     }
 }
 
-/// Registers a panel, which is suspended while anything is printed, or that there is none.
+/// Registers the panel that is suspended while anything is printed; `None` once it is gone.
 pub fn hold_panel(panel: Option<ProgressBar>) {
     *PANEL.lock().unwrap_or_else(PoisonError::into_inner) = panel;
 }

@@ -19,7 +19,7 @@ pub mod kind {
     pub const JSON: Replace = Marked("\"made_by\": \"haptic-camera\"");
     pub const PAGE: Replace = Marked("<meta name=\"generator\" content=\"haptic-camera\">");
     /// The figures of a data sheet as a table.
-    pub const FIGURES: Replace = Marked(super::FIGURES_HEADER);
+    pub const FIGURES: Replace = Marked(sheet::FIGURES_HEADER);
     /// Figures of many units as a Q-DAS file.
     pub const QDAS: Replace = Marked(sheet::QDAS_REMARK);
     pub const FITTED_MODEL: Replace = Marked(" samples: residual ");
@@ -39,9 +39,6 @@ pub mod kind {
     /// An archive or a table, in which nothing tells ours from others': the name must be free.
     pub const DATA: Replace = Nothing;
 }
-
-/// The first line of a table of figures.
-pub const FIGURES_HEADER: &str = "figure,angle_rad,direction,value,unit,ci95_low,ci95_high,definition\n";
 
 #[derive(Debug, Default)]
 pub struct Files {

@@ -40,7 +40,7 @@ pub struct Recomputed {
     pub missing_from_sample: Option<u64>,
 }
 
-/// A tick whose torque command is another than recorded.
+/// A tick whose computed torque command differs from the recorded one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Difference {
     pub tick: u64,
@@ -55,7 +55,7 @@ pub struct Difference {
 /// Computes a replay again and says whether all torque commands are equal; failed where they are not.
 pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
     let capture = Capture::load(&options.capture)?;
-    let table = "the capture is a table; only the archive of a replay holds what is needed";
+    let table = "the capture is a table; give its archive: only the archive of a replay holds what is needed";
     let description = capture.description.as_ref().context(table)?;
     let version = &description.software_version;
     if version != env!("CARGO_PKG_VERSION") {
@@ -73,7 +73,9 @@ pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
 
 /// Feeds what was recorded through the control step.
 fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomputed> {
-    let lacks = |column: &str| format!("the archive's samples have no {column}, which the control step needs");
+    let lacks = |column: &str| {
+        format!("the archive's samples have no {column}, which the control step needs; record the replay again")
+    };
     let commanded_mnm = capture.commanded_torque_mnm.as_ref().with_context(|| lacks("commanded_torque_mnm"))?;
     let acceleration = capture.acceleration_rad_s2.as_ref();
     let missed_ticks = capture.missed_ticks.as_ref().with_context(|| lacks("missed_ticks"))?;

@@ -26,30 +26,21 @@ pub struct SimulateOptions {
     pub out: Option<PathBuf>,
     /// The input from the capture: its motion, to simulate the torque, or its torque, to simulate the motion
     #[arg(long, value_enum, default_value = "motion")]
-    pub drive: SimulationDrive,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum SimulationDrive {
-    /// The motion: the model's torque is simulated.
-    Motion,
-    /// The torque: the model's motion is simulated forward.
-    Torque,
+    pub drive: Drive,
 }
 
 /// Simulates the model, says how far it is from the capture, and writes one of the same length and rate if asked to.
 pub fn run(options: &SimulateOptions) -> anyhow::Result<()> {
     let model = load::model(&options.model)?;
     let like = load::load_chosen(&options.like, &options.columns)?;
-    let drive = if options.drive == SimulationDrive::Motion { Drive::Motion } else { Drive::Torque };
-    let Simulation { capture, rms_difference, captured_rms } = analysis::simulate(&model, &like, drive)?;
+    let Simulation { capture, rms_difference, captured_rms } = analysis::simulate(&model, &like, options.drive)?;
     let differs = match options.drive {
-        SimulationDrive::Motion => format!(
+        Drive::Motion => format!(
             "the model's torque differs from the capture's by {rms_difference:.3} of {captured_rms:.3} mNm RMS: \
              relative error {:.2} %",
             100.0 * rms_difference / captured_rms
         ),
-        SimulationDrive::Torque => {
+        Drive::Torque => {
             format!("the model's angle differs by {rms_difference:.4} rad RMS from the capture's")
         }
     };

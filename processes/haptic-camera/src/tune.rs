@@ -22,7 +22,7 @@ pub struct TuneOptions {
     pub settings: Vec<(String, f64)>,
 }
 
-/// Times that another may be faster before this one gives up: each time one of the others is done.
+/// How often another `tune` may be faster before this one gives up; each time one of the others is done.
 const OVERTAKEN: usize = 16;
 
 /// Sends the running replay another model, or tells the present one.
@@ -87,7 +87,7 @@ fn read_present(revision: u64, model_toml: &str) -> anyhow::Result<Present> {
 
 /// What became of a model that was sent.
 enum Sent {
-    /// It is felt; in sentences, what of it otherwise than it says.
+    /// It is felt; in sentences, where it feels otherwise than the model says.
     Taken(Vec<String>),
     /// Another was faster; this is the model now.
     Overtaken(Present),
@@ -95,7 +95,7 @@ enum Sent {
 
 enum Asked {
     Answer(ModelAnswer),
-    /// Nobody is there, or who was there let go of the request.
+    /// No control loop is there, or the one that was there dropped the request.
     Nobody,
     Silence,
 }
@@ -141,7 +141,7 @@ impl LoopModels {
                     bail!("the replay has yet to start rendering an earlier model; try again in a moment")
                 }
                 Some(other) => bail!("the control loop gave an unexpected answer to the model: {other:?}"),
-                None => bail!("the replay ended before it could take the model"),
+                None => bail!("the replay ended before it could take the model; run `haptic-camera replay` again"),
             }
         }
     }

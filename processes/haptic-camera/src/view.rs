@@ -21,7 +21,7 @@ pub struct ViewOptions {
     pub remote: bool,
 }
 
-/// Becomes the viewer, which so has the terminal's Ctrl-C to itself and gives its own exit status.
+/// Replaces this process by the viewer, which then receives Ctrl-C itself and gives its own exit status.
 pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
     let mut command = std::process::Command::new(program_path("rerun-viewer")?);
     command.arg(if options.native { "--native" } else { "--web" });

@@ -149,7 +149,8 @@ fn kind(name: &str) -> Option<(&'static EffectKind, &'static ParameterKind)> {
 }
 
 /// The true value in the form of the fit: detents with positive amplitude, their phase in the turn of the fitted one.
-pub(crate) fn true_value(truth: Option<&Model>, name: &str, near: Option<f64>) -> Option<f64> {
+#[must_use]
+pub fn true_value(truth: Option<&Model>, name: &str, near: Option<f64>) -> Option<f64> {
     let truth = truth?;
     let value = truth.parameter(name)?;
     let detent = &effects::detent::KIND;

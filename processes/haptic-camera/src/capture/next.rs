@@ -8,7 +8,7 @@ use identification::diagnosis::Diagnosis;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
     Captures(usize),
-    /// So long, s.
+    /// Seconds of turning.
     Seconds(f64),
 }
 
@@ -42,7 +42,7 @@ const SAME_AMPLITUDE: f64 = 0.01;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Experiment {
     pub(super) sweep: String,
-    /// Its amplitude, rad; the sweep's own if none.
+    /// Its amplitude, rad; `None` for the sweep's own.
     pub(super) amplitude_rad: Option<f64>,
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use archive::testers::Curve;
-use dynamics::{Axis, Model};
+use dynamics::Model;
 use identification::diagnosis::Diagnosis;
 use loaded_capture::LoadedCapture;
 use rt_loop::request::RunRequest;
@@ -39,7 +39,7 @@ struct Series<'run> {
     options: &'run CaptureOptions,
     interrupted: &'run AtomicBool,
     made: u64,
-    /// The worst end of one of them.
+    /// The worst outcome of any of them.
     worst: Outcome,
 }
 
@@ -129,7 +129,7 @@ pub(super) fn until_certain(
             Ok(taken) => curves.push(taken.loaded.curve()),
             Err(cut) => return Ok(cut_short(cut, "no verdict: it needs a complete slow turn")),
         }
-        let judgement = specification.judge(&Sheet::of(&evidence(&curves))?);
+        let judgement = specification.judge(&Sheet::of(&Curve::evidence(&curves))?);
         tell(curves.len(), &judgement);
         verdict = judgement.verdict;
     }
@@ -137,7 +137,7 @@ pub(super) fn until_certain(
 }
 
 impl Series<'_> {
-    /// Makes one capture more; of one that was cut short gives how it ended, if it left an archive.
+    /// Makes one more capture; if it was cut short, the error is its outcome, `None` where it left no archive.
     fn add(&mut self, experiment: Experiment) -> anyhow::Result<Result<Taken, Option<Outcome>>> {
         let mut options = self.options.clone();
         let RunRequest { sweep, amplitude, rig, .. } = &mut options.request;
@@ -159,7 +159,7 @@ impl Series<'_> {
     }
 }
 
-/// How a command ends one of whose captures was cut short, so that it cannot say what it was made for.
+/// How a command ends when a capture that it rests on was cut short.
 fn cut_short(cut: Option<Outcome>, lacks: &str) -> Outcome {
     cut.inspect(|_| remark(lacks)).unwrap_or(Outcome::Failed)
 }
@@ -209,22 +209,6 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
         say(format!("recording  {}", path.display()));
     }
     Ok(())
-}
-
-/// All turns as one curve, whose figures are known the better the longer it is; presses each by itself, as testers read them.
-fn evidence(curves: &[Curve]) -> Vec<Curve> {
-    let mut all = curves.iter().cloned();
-    let Some(mut whole) = all.next().filter(|curve| curve.axis == Axis::Rotary) else { return curves.to_vec() };
-    for curve in all {
-        let before_s = whole.t_s.as_ref().and_then(|t_s| t_s.last().copied()).unwrap_or(0.0);
-        if let (Some(t_s), Some(more)) = (&mut whole.t_s, &curve.t_s) {
-            let step_s = more.get(1).copied().unwrap_or(0.0) - more.first().copied().unwrap_or(0.0);
-            t_s.extend(more.iter().map(|time_s| before_s + step_s + time_s));
-        }
-        whole.position.extend(&curve.position);
-        whole.load.extend(&curve.load);
-    }
-    vec![whole]
 }
 
 fn tell(turns: usize, Judgement { verdict, reasons, .. }: &Judgement) {

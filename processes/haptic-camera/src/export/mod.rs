@@ -1,9 +1,6 @@
 //! `export`: captures and models in the formats of other programs.
 
-mod firmware;
 mod simulator;
-mod smartknob;
-mod torque_over_angle;
 
 use std::path::{Path, PathBuf};
 
@@ -18,13 +15,13 @@ use parquet::basic::{Encoding, Repetition, Type as PhysicalType};
 use parquet::data_type::{DoubleType, Int32Type, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
+use simulators::{TableSpan, TorqueOverAngle};
 
 use crate::command_line::ColumnOptions;
 use crate::load;
 use crate::outcome::{UsageError, say};
 use crate::outputs::{kind, write};
 use crate::parquet_file::{begin, software, write_column};
-use torque_over_angle::TorqueOverAngle;
 
 #[derive(Debug, Args)]
 pub struct ExportOptions {
@@ -57,14 +54,6 @@ fn positive(text: &str) -> Result<f64, String> {
     if number.is_finite() && number > 0.0 { Ok(number) } else { Err("it must be greater than zero".to_owned()) }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum TableSpan {
-    /// From one detent to the next.
-    Period,
-    /// Once around, with springs and end stops.
-    Turn,
-}
-
 /// Writes a capture or a model in another format.
 pub fn run(options: &ExportOptions) -> anyhow::Result<()> {
     let source = Path::new(&options.source);
@@ -76,7 +65,7 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<()> {
         (true, "xml") => simulator::mjcf(&model()?, options)?,
         (true, "urdf") => simulator::urdf(&model()?, options)?,
         (true, "fmu") => simulator::fmu(&model()?, options)?,
-        (true, "json") => smartknob::write(options)?,
+        (true, "json") => simulator::smartknob(options)?,
         (true, "csv") => {
             let table = TorqueOverAngle::of(&model()?, options.points, options.over)?;
             write(&options.out, kind::DATA, &table.to_csv())?;
@@ -172,11 +161,11 @@ fn metadata(loaded: &LoadedCapture, columns: &[(&str, Values<'_>)]) -> Vec<(Stri
     [software()].into_iter().chain(own).chain(units).chain(attached).collect()
 }
 
-/// Of a knob without any torque of the angle the header has its inertia and friction alone.
+/// The header of a knob without any torque that depends on the angle holds its inertia and friction alone.
 fn firmware_header(model: &Model, options: &ExportOptions) -> anyhow::Result<String> {
     let has_table = model.effects.iter().any(|effect| effect.kind().steepest_mnm_rad.is_some());
     let table = has_table.then(|| TorqueOverAngle::of(model, options.points, options.over)).transpose()?;
     let guard = options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    write(&options.out, kind::HEADER, &firmware::header(model, table.as_ref(), &options.source, &guard))?;
+    write(&options.out, kind::HEADER, &simulators::c_header(model, table.as_ref(), &options.source, &guard))?;
     Ok(table.map_or_else(|| "no torque that depends on the angle".to_owned(), |table| table.in_words()))
 }

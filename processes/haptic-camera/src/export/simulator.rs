@@ -1,14 +1,16 @@
-//! Models for simulators, and how much torque they leave out.
+//! Models for simulators and for SmartKnob, and how much torque they leave out.
 
-use anyhow::Context as _;
+use anyhow::{Context as _, anyhow};
 use archive::whole_file::write_bytes;
 use dynamics::excitation::{Drive, Excitation};
-use dynamics::{Axis, Model, Motion};
-use simulators::{Export, fmi, isaac_lab, left_out_mnm};
+use dynamics::{Axis, Model, Motion, knobs};
+use serde::Serialize;
+use simulators::{Export, SmartKnob, SmartKnobExport, fmi, isaac_lab, left_out_mnm};
 
 use super::ExportOptions;
 use crate::load;
-use crate::outputs::{kind, write};
+use crate::outcome::UsageError;
+use crate::outputs::{kind, write, write_json};
 use crate::supervision::program_path;
 
 /// The library of the crate `knob-fmu`, which is built beside the programs.
@@ -26,11 +28,14 @@ fn write_export<Content: AsRef<[u8]>>(
 ) -> anyhow::Result<String> {
     let (motions, motion) = motion(options, model.axis)?;
     write_bytes(&options.out, kind::SIMULATOR, export.content.as_ref())?;
-    let left_out_mnm = left_out_mnm(model, &export.said, &motions);
-    let mut words = model.axis.words(&format!("leaves out {left_out_mnm:.6} mNm RMS")).into_owned();
-    words += &format!(" along {motion}");
-    words.extend(export.left_out.iter().map(|left_out| format!("\n- {}", model.axis.words(left_out))));
-    Ok(words)
+    Ok(in_words(model.axis, left_out_mnm(model, &export.said, &motions), &motion, &export.left_out))
+}
+
+fn in_words(axis: Axis, left_out_mnm: f64, along: &str, left_out: &[String]) -> String {
+    let mut words = axis.words(&format!("leaves out {left_out_mnm:.6} mNm RMS")).into_owned();
+    words += &format!(" along {along}");
+    words.extend(left_out.iter().map(|left_out| format!("\n- {}", axis.words(left_out))));
+    words
 }
 
 pub(super) fn mjcf(model: &Model, options: &ExportOptions) -> anyhow::Result<String> {
@@ -55,8 +60,36 @@ pub(super) fn fmu(model: &Model, options: &ExportOptions) -> anyhow::Result<Stri
     write_export(options, model, &fmi::fmu(model, &library)?)
 }
 
+/// The message `SmartKnobConfig` of `proto/smartknob.proto` (github scottbez1/smartknob) in protobuf's own JSON, and what it
+/// leaves out.
+#[derive(Serialize)]
+struct SmartKnobFile {
+    smartknob_config: SmartKnob,
+    motor_mnm_per_v: f64,
+    /// RMS torque that is left out along the motion.
+    left_out_rms_mnm: f64,
+    along: String,
+    left_out: Vec<String>,
+}
+
+/// A model as SmartKnob's configuration.
+pub(super) fn smartknob(options: &ExportOptions) -> anyhow::Result<String> {
+    let motor_mnm_per_v = options.motor_mnm_per_v.ok_or_else(|| {
+        UsageError(anyhow!("SmartKnob's strengths are in volts; give the motor's torque per volt as --motor-mnm-per-v"))
+    })?;
+    let model = knobs::named(&options.source)?;
+    anyhow::ensure!(model.axis.is_rotary(), "{} has a linear axis; a SmartKnob is rotary", model.name);
+    let (motions, along) = motion(options, model.axis)?;
+    let SmartKnobExport { knob, left_out, left_out_mnm } = simulators::smartknob(&model, motor_mnm_per_v, &motions);
+    let words = in_words(model.axis, left_out_mnm, &along, &left_out);
+    let file =
+        SmartKnobFile { smartknob_config: knob, motor_mnm_per_v, left_out_rms_mnm: left_out_mnm, along, left_out };
+    write_json(model.axis, &Some(options.out.clone()), &file)?;
+    Ok(words)
+}
+
 /// The motion along which torques are compared, and what it is called.
-pub(super) fn motion(options: &ExportOptions, axis: Axis) -> anyhow::Result<(Vec<Motion>, String)> {
+fn motion(options: &ExportOptions, axis: Axis) -> anyhow::Result<(Vec<Motion>, String)> {
     if let Some(capture) = &options.along {
         let loaded = load::load(capture)?;
         let motions = identification::knob_motion(&loaded.samples(), loaded.calibration.as_ref())?;

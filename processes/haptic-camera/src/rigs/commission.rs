@@ -18,7 +18,7 @@ use rt_loop::request::RunRequest;
 use shared_types::Fault;
 use toml_edit::{DocumentMut, Item, Value};
 
-use super::{span, torque_request};
+use super::torque_request;
 use crate::command_line::RigOptions;
 use crate::outcome::{Outcome, remark, say};
 use crate::outputs::write;
@@ -244,7 +244,8 @@ fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> 
 /// What a try tells; `None` where the knob hardly moved.
 fn find(loaded: &LoadedCapture) -> Option<Found> {
     let capture = &loaded.capture;
-    let moved_rad = span(capture.angle_rad.iter().copied());
+    let angles = || capture.angle_rad.iter().copied();
+    let moved_rad = angles().fold(f64::MIN, f64::max) - angles().fold(f64::MAX, f64::min);
     if moved_rad < ENOUGH_RAD * capture.axis.fingertip_travel() {
         return None;
     }

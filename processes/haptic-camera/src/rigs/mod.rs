@@ -114,10 +114,3 @@ fn torque_request(file: &Path, rate_hz: Option<f64>, duration_s: f64) -> anyhow:
     let request = rig_run::request("none", "hold", duration_s, Pace { rate_hz, core: None }, rig);
     Ok(RunRequest { torque: true, ..request })
 }
-
-/// From the least of the values to the most; negative of none.
-pub fn span(values: impl IntoIterator<Item = f64>) -> f64 {
-    let values = values.into_iter();
-    let (least, most) = values.fold((f64::MAX, f64::MIN), |(least, most), value| (least.min(value), most.max(value)));
-    most - least
-}

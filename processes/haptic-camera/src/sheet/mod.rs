@@ -2,7 +2,6 @@
 
 mod wall;
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use analysis::{curve_files, curves, mean_fit};
@@ -13,7 +12,7 @@ use sheet::{Detent, Figure, Sheet};
 
 use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outputs::{FIGURES_HEADER, ResultFiles, kind, write, write_if_asked};
+use crate::outputs::{ResultFiles, kind, write, write_if_asked};
 use crate::terminal::{by_reason, digits, interval, table};
 
 #[derive(Debug, Args)]
@@ -54,28 +53,7 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<()> {
     }
     let page = || analysis::sheet_page(&sheet, &files);
     options.results.tell(Axis::default(), lines(&sheet, &files), &sheet, page)?;
-    write_if_asked(&options.csv, kind::FIGURES, || figures_csv(&sheet))
-}
-
-/// One row a figure; after those of the whole control, those of each detent with its angle and direction.
-fn figures_csv(sheet: &Sheet) -> String {
-    let mut text = FIGURES_HEADER.to_owned();
-    let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
-    // Writing to a string does not fail.
-    for figure in sheet.in_order() {
-        let kind = figure.kind;
-        let [low, high] = [0, 1].map(|end| number(figure.ci95.map(|ends| ends[end])));
-        let definition = kind.definition.replace('"', "\"\"");
-        let _ = writeln!(text, "{},,,{},{},{low},{high},\"{definition}\"", kind.name, number(figure.value), kind.unit);
-    }
-    for detent in &sheet.detents {
-        for (name, figure) in &detent.figures {
-            let [low, high] = figure.ci95;
-            let (angle, direction) = (detent.angle_rad, detent.direction);
-            let _ = writeln!(text, "{name},{angle},{direction},{},{},{low},{high},", figure.value, figure.unit);
-        }
-    }
-    text
+    write_if_asked(&options.csv, kind::FIGURES, || sheet.figures_csv())
 }
 
 /// The sheet for a terminal.

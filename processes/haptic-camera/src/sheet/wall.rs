@@ -1,14 +1,15 @@
 //! The paper's five knobs beside SmartKnob's default ones.
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use archive::testers::Curve;
 use dynamics::{Direction, Model, Motion, knobs};
 use report::{WallKnob, WallPage};
 use shared_types::Axis;
-use sheet::Sheet;
+use sheet::{Branch, Sheet};
+use simulators::{SMARTKNOBS, SmartKnob};
 
-use crate::smartknob;
 use crate::terminal::decimals;
 
 /// Speed at which a model is turned, rad/s: viscous friction is next to nothing.
@@ -20,7 +21,7 @@ const DETENTS: f64 = 4.0;
 /// The page that a designer pins to the wall.
 pub fn page() -> anyhow::Result<WallPage> {
     let papers = (1..=5).map(of_paper).collect::<anyhow::Result<Vec<WallKnob>>>()?;
-    let smart: Vec<WallKnob> = smartknob::ALL.iter().map(of_smartknob).collect();
+    let smart: Vec<WallKnob> = SMARTKNOBS.iter().map(of_smartknob).collect();
     Ok(WallPage {
         title: "Five mechanical knobs and ten of SmartKnob’s".to_owned(),
         groups: vec![
@@ -85,7 +86,7 @@ fn slow_turn(model: &Model) -> Curve {
     Curve { axis: Axis::Rotary, position, load, ..Curve::default() }
 }
 
-fn of_smartknob(knob: &smartknob::SmartKnob) -> WallKnob {
+fn of_smartknob(knob: &SmartKnob) -> WallKnob {
     let positions = if knob.num_positions == 0 { "any number".to_owned() } else { knob.num_positions.to_string() };
     let facts = [
         ("positions", positions),
@@ -98,11 +99,20 @@ fn of_smartknob(knob: &smartknob::SmartKnob) -> WallKnob {
     WallKnob {
         name: knob.text.clone().into_owned(),
         description: String::new(),
-        sheet: knob.sheet(),
+        sheet: volts(knob),
         reach_rad: knob.reach_rad(),
         torque: "against the hand (V)".to_owned(),
         facts: facts.into_iter().map(|(word, number)| (word.to_owned(), number)).collect(),
     }
+}
+
+/// The volts that a slow hand feels, as the curve of a sheet without figures.
+fn volts(knob: &SmartKnob) -> Sheet {
+    let ([first, step], [there, back]) = knob.slow_turn();
+    let branch =
+        |load: Vec<f64>| Branch { axis: Axis::Rotary, first, step, load_ci95_half_width: vec![0.0; load.len()], load };
+    let curve = BTreeMap::from([("positive", branch(there)), ("negative", branch(back))]);
+    Sheet { axis: Axis::Rotary, runs: 1, figures: BTreeMap::new(), detents: Vec::new(), presses: Vec::new(), curve }
 }
 
 fn short(value: f64) -> String {

@@ -41,7 +41,7 @@ pub(crate) struct Child {
     heard: (u64, Duration),
     /// Since when it was seen to be stopped.
     pub(super) stopped: Option<Instant>,
-    /// Whether it was killed. It may be some time in dying, if a thread of it waits for the disk.
+    /// Whether it was killed; it may take some time to die, if one of its threads waits for the disk.
     is_killed: bool,
 }
 
@@ -82,7 +82,7 @@ impl Child {
         self.exit().is_some()
     }
 
-    /// Whether it will do nothing more, be it that it cannot be reaped so far.
+    /// Whether it will do nothing more, even if it cannot be reaped yet.
     pub(super) fn is_over(&mut self) -> bool {
         self.is_killed || self.has_ended() || !rig::process_exists(self.id())
     }

@@ -154,7 +154,10 @@ impl SupervisedRun {
             control_loop.end(LOOP_ENDS);
             consumers.end();
             let how = control_loop.end_in_words();
-            anyhow::ensure!(!had_ended, "the control loop ended before the run began ({how})");
+            anyhow::ensure!(
+                !had_ended,
+                "the control loop ended before the run began ({how}); run `haptic-camera doctor`"
+            );
             return Err(error);
         }
         let mut rule = self.until.map(StopRule::new);

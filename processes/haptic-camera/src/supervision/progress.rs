@@ -7,7 +7,7 @@ use dynamics::Axis;
 use dynamics::effects::{detent, friction, inertia};
 use identification::live::{Convergence, LiveParameter, USUAL_SHARE};
 use indicatif::ProgressBar;
-use shared_types::{FitUpdate, LATENESS_BIN_EDGES_NS, LoopStatus, ProcessKind, Sample};
+use shared_types::{FitUpdate, LoopStatus, ProcessKind, Sample};
 
 use super::SupervisedRun;
 use super::loop_link::LoopLink;
@@ -229,20 +229,13 @@ fn word(known: &LiveParameter) -> &'static str {
 
 /// Median, 99th percentile and maximum, the first two as upper edges of their bins.
 fn lateness(status: &LoopStatus) -> String {
-    let ticks: u64 = status.lateness_counts.iter().sum();
-    let below = |share: f64| {
-        let wanted = (share * ticks as f64).ceil() as u64;
-        let mut counted = 0;
-        let bin = status.lateness_counts.iter().position(|count| {
-            counted += count;
-            counted >= wanted
-        });
-        let edge_ns = bin.and_then(|bin| LATENESS_BIN_EDGES_NS.get(bin)).copied();
-        edge_ns.map_or_else(|| "over 10 ms".to_owned(), |edge_ns| format!("up to {}", time_in_words(edge_ns)))
-    };
-    if ticks == 0 {
+    if status.lateness_counts.iter().sum::<u64>() == 0 {
         return "-".to_owned();
     }
+    let below = |share: f64| {
+        let edge_ns = status.lateness_below_ns(share);
+        edge_ns.map_or_else(|| "over 10 ms".to_owned(), |edge_ns| format!("up to {}", time_in_words(edge_ns)))
+    };
     format!("half {}, 99 % {}, at most {}", below(0.5), below(0.99), time_in_words(status.max_lateness_ns))
 }
 

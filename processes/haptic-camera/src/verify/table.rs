@@ -3,7 +3,6 @@
 use identification::diagnosis::Verdict;
 use report::{AddedByRendering, HeldStill, LostMotion, RenderedParameter, Rendering};
 
-use super::LIMITS;
 use crate::terminal;
 
 pub fn lines(rendering: &Rendering) -> Vec<String> {
@@ -16,7 +15,7 @@ pub fn lines(rendering: &Rendering) -> Vec<String> {
          {torque_error_percent:.2} % (at most {} %)",
         decimals(1e3 * torque_error_rms_mnm).max(3),
         decimals(*torque_rms_mnm).max(2),
-        LIMITS.torque_error_percent,
+        rendering.limits.torque_error_percent,
     ));
     lines.extend(rendering.lost_motion.iter().flat_map(lost_motion_in_words));
     lines.extend(rendering.held_still.map(|HeldStill { torque_mnm, duration_s, encoder_steps }| {

@@ -3,8 +3,6 @@
 //! Three runs: the gripper alone through the paper's sweep for position, velocity and acceleration; the
 //! locked gripper under a torque sweep; and both once more at 30 Hz, where the paper speaks of a lag.
 
-mod channel;
-
 use std::io::IsTerminal as _;
 use std::os::fd::AsFd as _;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,10 +10,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::Context as _;
 use clap::Args;
 use comfy_table::Table;
-use dynamics::{Axis, Excitation};
-use loaded_capture::LoadedCapture;
+use dynamics::Axis;
 use nix::poll::{PollFd, PollFlags, poll};
-use report::{CaptureFacts, ChannelDifference, ChannelLag, RigTest};
+use report::{ChannelDifference, ChannelLag};
 use rt_loop::request::{Pace, RunRequest};
 
 use crate::command_line::RigOptions;
@@ -24,7 +21,6 @@ use crate::outputs::ResultFiles;
 use crate::supervision::listen_for_interrupt;
 use crate::terminal::table;
 use crate::{load, rig_run};
-use channel::{Channel, LAG_HZ};
 
 #[derive(Debug, Args)]
 pub struct RigTestOptions {
@@ -54,10 +50,13 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     let locked = |sweep: &str, duration_s| RunRequest { torque: true, ..of("locked", sweep, duration_s) };
     let interrupted = listen_for_interrupt()?;
     let mut outcome = Outcome::Done;
-    let mut made = |request, purpose| {
+    let mut made = |request, purpose| -> anyhow::Result<analysis::Commanded> {
         let (archive, whole) = rig_run::archive(request, &options.rig, purpose, &interrupted)?;
         outcome = outcome.worse(whole);
-        load::load(&archive)
+        let loaded = load::load(&archive)?;
+        let description = loaded.capture.description.as_ref().context("the run has no description")?;
+        let excitation = description.excitation()?;
+        Ok((loaded, excitation))
     };
     let sweep = options.sweep.as_str();
     let spun = [made(free(sweep, SWEEP_S), "rig-test-free")?, made(free("tone", TONE_S), "rig-test-free-30-hz")?];
@@ -65,31 +64,8 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     let held =
         [made(locked(sweep, SWEEP_S), "rig-test-locked")?, made(locked("tone", TONE_S), "rig-test-locked-30-hz")?];
 
-    let axis = spun[0].capture.axis;
-    let mut test = RigTest {
-        axis,
-        sweep: sweep.to_owned(),
-        rate_hz: options.rate_hz,
-        differences: Vec::new(),
-        lag_at_30_hz: Vec::new(),
-        lag_hz: LAG_HZ,
-        filter_edges_hz: Channel::ALL.map(Channel::filter_edge_hz).to_vec(),
-        captures: vec![
-            facts("free gripper, sweep", &spun[0]),
-            facts("free gripper, one frequency", &spun[1]),
-            facts("locked gripper, sweep", &held[0]),
-            facts("locked gripper, one frequency", &held[1]),
-        ],
-        traces: Vec::new(),
-    };
-    for channel in Channel::ALL {
-        let [sweep, tone] = if channel == Channel::Torque { &held } else { &spun };
-        let (commanded, commanded_tone) = (excitation(sweep)?, excitation(tone)?);
-        test.differences.push(channel.compare(sweep, &commanded));
-        test.lag_at_30_hz.push(channel.lag(tone, &commanded_tone));
-        test.traces.push(channel.trace((sweep, &commanded), (tone, &commanded_tone)));
-    }
-    let scaled = if axis.is_rotary() { "" } else { "; the paper's rig 20 mm from its axis" };
+    let test = analysis::rig_test(sweep, options.rate_hz, &spun, &held);
+    let scaled = if test.axis.is_rotary() { "" } else { "; the paper's rig 20 mm from its axis" };
     let lines = [
         String::new(),
         format!("original minus measured; filtered: its SD after the paper's low-pass filters{scaled}"),
@@ -121,16 +97,6 @@ fn wait_until_locked(rig: &RigOptions, interrupted: &AtomicBool) -> anyhow::Resu
     }
     input.read_line(&mut String::new()).context("the terminal cannot be read")?;
     Ok(())
-}
-
-/// A run of the rig under the name `title`.
-fn facts(title: &str, loaded: &LoadedCapture) -> CaptureFacts {
-    CaptureFacts { title: title.to_owned(), ..analysis::facts(loaded) }
-}
-
-fn excitation(loaded: &LoadedCapture) -> anyhow::Result<Excitation> {
-    let description = loaded.capture.description.as_ref().context("the run has no description")?;
-    Ok(description.excitation()?)
 }
 
 /// Original minus measured, beside the paper's rig; `filtered` is the SD behind the filters that the paper fits with.

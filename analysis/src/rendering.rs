@@ -1,50 +1,126 @@
-//! Parameter by parameter: intended and rendered.
+//! A rendered knob, captured like any other, beside its model, as `replay --verify --json` writes it.
 
-use analysis::{along_motion, torque_at_knob};
+use std::f64::consts::TAU;
+use std::path::PathBuf;
+
 use dynamics::{Effect, Model, Motion, ParameterKind, Part, effects};
-use identification::Fit;
-use identification::checks::{FreeTravel, breakaways, free_travel};
+use identification::checks::{FreeTravel, free_travel};
 use identification::diagnosis::Diagnosis;
+use identification::{Fit, FitOptions};
 use loaded_capture::LoadedCapture;
-use report::{AddedByRendering, LostMotion, RenderedParameter, Rendering};
+use report::{AddedByRendering, HeldStill, LostMotion, RenderedParameter, Rendering, RenderingLimits, true_value};
 
-use super::LIMITS;
 use crate::check::Threshold;
-use crate::fit::true_value;
+use crate::{AnalysisError, along_motion, diagnose, facts, fit_options, torque_at_knob};
 
-/// Compares the captures of a sweep, another motion and a creep with a model of one body.
-pub(super) fn one_body(
-    model: &Model,
-    fit: &Fit,
-    [train, heldout, creep]: [&LoadedCapture; 3],
-) -> anyhow::Result<Rendering> {
-    let thresholds = Threshold::of(&breakaways(&creep.samples(), creep.calibration.as_ref())?, Some(model));
+const LIMITS: RenderingLimits =
+    RenderingLimits { difference_percent: 2.0, static_difference_percent: 5.0, torque_error_percent: 5.0 };
+
+/// Time after which a hold is looked at, s: the hand's torque has risen.
+const SETTLED_S: f64 = 0.5;
+
+/// The captures of a rendered knob.
+#[derive(Debug)]
+pub struct RenderedCaptures {
+    /// A sweep.
+    pub train: LoadedCapture,
+    /// Another motion.
+    pub heldout: LoadedCapture,
+    /// A creep through a breakaway.
+    pub creep: LoadedCapture,
+    /// The knob held by [`holding_torque_mnm`], if there is one.
+    pub hold: Option<LoadedCapture>,
+}
+
+/// Compares the captures with the model that was rendered; gives also the fit of the rendered knob as one of one body.
+///
+/// # Errors
+/// [`AnalysisError`] for a sweep that cannot be fitted or, of a model of two bodies, diagnosed.
+pub fn rendering(model: &Model, captures: &RenderedCaptures) -> Result<(Rendering, Fit), AnalysisError> {
+    let held = holding_torque_mnm(model).zip(captures.hold.as_ref());
+    let held_still = held.map(|(torque_mnm, hold)| held_still(torque_mnm, hold));
+    let train = &captures.train;
+    // The model says what the torque over the angle is: nothing is left to be measured.
+    let options = FitOptions { further_effects: further_effects(model), characteristic: false, ..fit_options(train) };
+    let fit = identification::fit(&train.samples(), &options).map_err(AnalysisError::Rendered)?;
+    let rendering =
+        if model.coupling().is_some() { two_bodies(model, captures)? } else { one_body(model, &fit, captures)? };
+    let files = [train, &captures.heldout, &captures.creep].into_iter().chain(&captures.hold);
+    let files: Vec<PathBuf> = files.map(|one| one.capture.source.clone()).collect();
+    let mut rendering = Rendering {
+        model: model.name.clone(),
+        captures: files,
+        torque_error_percent: 100.0 * rendering.torque_error_rms_mnm / rendering.torque_rms_mnm,
+        held_still,
+        limits: LIMITS,
+        capture: facts(train),
+        ..rendering
+    };
+    rendering.passed = rendering.parameters.iter().all(|parameter| parameter.passed != Some(false))
+        && rendering.torque_error_percent <= LIMITS.torque_error_percent
+        && held_still.is_none_or(|held| held.encoder_steps < 1.0);
+    Ok((rendering, fit))
+}
+
+/// A torque in the middle of what the knob bears at the angle at which it starts; `None` where it bears none.
+#[must_use]
+pub fn holding_torque_mnm(model: &Model) -> Option<f64> {
+    let start = Motion::default();
+    let limits = model.stick_limits(&start);
+    let free_mnm = model.free_torque_mnm(&start);
+    let (least_mnm, most_mnm) = (free_mnm - limits.negative_mnm, free_mnm + limits.positive_mnm);
+    // It must begin at rest without a hand, and bear more than noise.
+    (least_mnm < 0.0 && most_mnm > 0.0).then_some(0.5 * most_mnm)
+}
+
+fn held_still(torque_mnm: f64, hold: &LoadedCapture) -> HeldStill {
+    let capture = &hold.capture;
+    let settled = capture.t_s.iter().zip(&capture.angle_rad).filter(|(t_s, _)| **t_s >= SETTLED_S);
+    let ends = settled.fold((f64::MAX, f64::MIN), |(least, most), (_, rad)| (least.min(*rad), most.max(*rad)));
+    let step_rad = hold.calibration.as_ref().map_or(0.0, |known| known.angle_step_rad);
+    HeldStill {
+        torque_mnm,
+        duration_s: capture.t_s.last().map_or(0.0, |last| last - SETTLED_S),
+        encoder_steps: (ends.1 - ends.0) / step_rad,
+    }
+}
+
+/// The effects of a model that a fit takes beside inertia, friction and detents.
+fn further_effects(model: &Model) -> Vec<Effect> {
+    let base = [effects::inertia::KIND.name, effects::friction::KIND.name, effects::detent::KIND.name];
+    let fits = |effect: &&Effect| effect.kind().regressors.is_some() && !base.contains(&effect.kind().name);
+    model.effects.iter().filter(fits).copied().collect()
+}
+
+/// Compares the captures with a model of one body.
+fn one_body(model: &Model, fit: &Fit, captures: &RenderedCaptures) -> Result<Rendering, AnalysisError> {
+    let thresholds = Threshold::of(&captures.creep, Some(model))?;
     let mut notes = fit.notes.clone();
     let is_drawn = model.effects.iter().any(|effect| effect.table().is_some());
     let found = if is_drawn {
-        Err(anyhow::anyhow!("a diagnosis cannot start from a model with a drawn table"))
+        Err("a diagnosis cannot start from a model with a drawn table".to_owned())
     } else {
-        diagnosed(model, train, heldout)
+        diagnosed(model, captures).map_err(|error| error.to_string())
     };
-    let unknown = |error| notes.push(format!("what the rendering adds cannot be determined: {error:#}"));
+    let unknown = |reason| notes.push(format!("what the rendering adds cannot be determined: {reason}"));
     let added = found.map_err(unknown).ok().map(|found| added(&found));
     let [torque_error_rms_mnm, torque_rms_mnm] = torque_error_mnm(model, fit);
     let parameters = parameters(model, fit, &thresholds);
     Ok(Rendering { parameters, torque_error_rms_mnm, torque_rms_mnm, added, notes, ..Rendering::default() })
 }
 
-/// Compares the captures of a sweep, another motion and a creep with a model of two bodies.
+/// Compares the captures with a model of two bodies.
 ///
 /// The model is refined on the sweep, its inner body simulated behind the measured motion of the cap: that tells the
 /// parameters with their intervals. The torque error is the intended model's, not refined, along the measured motion.
-pub(super) fn two_bodies(model: &Model, [train, heldout, creep]: [&LoadedCapture; 3]) -> anyhow::Result<Rendering> {
-    let whole = diagnosed(model, train, heldout)?;
+fn two_bodies(model: &Model, captures: &RenderedCaptures) -> Result<Rendering, AnalysisError> {
+    let whole = diagnosed(model, captures)?;
     let gap = model.coupling().filter(|coupling| coupling.half_gap_rad > 0.0);
-    let lost_motion = gap.map(|coupling| -> anyhow::Result<LostMotion> {
+    let lost_motion = gap.map(|coupling| -> Result<LostMotion, AnalysisError> {
         let mut stiff = model.clone();
         stiff.effects.retain(|effect| !matches!(effect.kind().part, Part::Coupling(_)));
-        let without = diagnosed(&stiff, train, heldout)?;
-        let ways = free_travel(&creep.samples(), creep.calibration.as_ref())?;
+        let without = diagnosed(&stiff, captures)?;
+        let ways = free_travel(&captures.creep.samples(), captures.creep.calibration.as_ref())?;
         Ok(LostMotion {
             intended_rad: 2.0 * coupling.half_gap_rad,
             free_ways_rad: ways.iter().map(FreeTravel::travel_rad).collect(),
@@ -52,7 +128,7 @@ pub(super) fn two_bodies(model: &Model, [train, heldout, creep]: [&LoadedCapture
             partly: without.partial.iter().map(|one| (one.effect.to_owned(), one.explains_percent)).collect(),
         })
     });
-    let [torque_error_rms_mnm, torque_rms_mnm] = along_motion_mnm(model, train)?;
+    let [torque_error_rms_mnm, torque_rms_mnm] = along_motion_mnm(model, &captures.train)?;
     Ok(Rendering {
         parameters: refined_parameters(model, &whole),
         torque_error_rms_mnm,
@@ -65,8 +141,8 @@ pub(super) fn two_bodies(model: &Model, [train, heldout, creep]: [&LoadedCapture
 }
 
 /// A diagnosis of the rendered knob that starts from a model.
-fn diagnosed(model: &Model, train: &LoadedCapture, heldout: &LoadedCapture) -> anyhow::Result<Diagnosis> {
-    Ok(analysis::diagnose(train, Some(heldout), Some(model.clone()), None)?)
+fn diagnosed(model: &Model, captures: &RenderedCaptures) -> Result<Diagnosis, AnalysisError> {
+    diagnose(&captures.train, Some(&captures.heldout), Some(model.clone()), None)
 }
 
 /// What a diagnosis that starts from the intended model found.
@@ -93,8 +169,7 @@ fn verified(
     };
     let difference_percent = value.map(|value| {
         if unit == "rad" && name.ends_with("phase") {
-            let turn = std::f64::consts::TAU;
-            100.0 * ((value - intended + 0.5 * turn).rem_euclid(turn) / turn - 0.5)
+            100.0 * ((value - intended + 0.5 * TAU).rem_euclid(TAU) / TAU - 0.5)
         } else {
             100.0 * (value / intended - 1.0)
         }
@@ -104,13 +179,6 @@ fn verified(
     let held = ci95.is_some_and(|[low, high]| (low..=high).contains(&intended));
     let passed = difference_percent.map(|percent| held || percent.abs() <= limit);
     RenderedParameter { name, unit, intended, rendered: value, ci95, difference_percent, passed, reason }
-}
-
-/// The effects of a model that a fit takes beside inertia, friction and detents.
-pub(super) fn further_effects(model: &Model) -> Vec<Effect> {
-    let base = [effects::inertia::KIND.name, effects::friction::KIND.name, effects::detent::KIND.name];
-    let fits = |effect: &&Effect| effect.kind().regressors.is_some() && !base.contains(&effect.kind().name);
-    model.effects.iter().filter(fits).copied().collect()
 }
 
 /// Every parameter of every effect of a model, with its value.
@@ -136,7 +204,7 @@ fn parameters(model: &Model, fit: &Fit, thresholds: &[Option<Threshold>; 2]) -> 
             let rendered = found.and_then(|found| {
                 Ok((found.value.ok_or_else(|| found.reason.clone().unwrap_or_default())?, found.ci95))
             });
-            Some(verified(kind, true_value(model, kind.name).unwrap_or(value), rendered))
+            Some(verified(kind, true_value(Some(model), kind.name, None).unwrap_or(value), rendered))
         }
     };
     every(model).filter_map(|(effect, kind, value)| compared(effect, kind, value)).collect()
@@ -184,7 +252,7 @@ const MEAN_S: f64 = 0.0025;
 
 /// RMS of captured minus simulated torque over means of the capture, and of the captured torque, mNm: the model as it is, its inner
 /// body simulated behind the measured motion of the cap.
-fn along_motion_mnm(model: &Model, capture: &LoadedCapture) -> anyhow::Result<[f64; 2]> {
+fn along_motion_mnm(model: &Model, capture: &LoadedCapture) -> Result<[f64; 2], AnalysisError> {
     let gripper_inertia = capture.calibration.as_ref().map_or(0.0, |known| known.gripper_inertia);
     let motions = identification::knob_motion(&capture.samples(), capture.calibration.as_ref())?;
     let simulated_mnm = along_motion(model, gripper_inertia, &motions).torque_mnm;

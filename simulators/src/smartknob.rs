@@ -1,4 +1,4 @@
-//! SmartKnob's knobs, as its firmware renders them at rest, and the default ones.
+//! SmartKnob's knobs, as its firmware renders them at rest, the default ones, and models as such knobs.
 //!
 //! Facts from github scottbez1/smartknob: the list of configurations in `firmware/src/interface_task.cpp`, and the control law in
 //! `firmware/src/motor_task.cpp`: 4 · strength volt per radian off the middle of the position, without the first fifth of its
@@ -6,14 +6,16 @@
 //! the strength of the end stop; at most the supply of 5 V. What its motor makes of a volt the firmware does not say.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 
+use dynamics::effects::end_stop;
+use dynamics::{Model, Motion};
 use serde::Serialize;
-use shared_types::Axis;
-use sheet::{Branch, Sheet};
+
+use crate::firmware::stiffest_end_stop_mnm_rad;
+use crate::{TorqueOverAngle, left_out_by_mnm};
 
 /// Volt per radian and unit of strength.
-pub const V_PER_RAD: f64 = 4.0;
+const V_PER_RAD: f64 = 4.0;
 /// Share of a position's width that is without torque …
 const DEAD_SHARE: f64 = 0.2;
 /// … but at most this angle, rad.
@@ -22,19 +24,29 @@ const DEAD_RAD: f64 = std::f64::consts::PI / 180.0;
 const SUPPLY_V: f64 = 5.0;
 /// Steps from one position to the next.
 const STEPS: u32 = 60;
+/// Width of the positions of a knob without detents, as the firmware's own ones have it.
+const WIDTH_DEG: f64 = 10.0;
+/// A knob changes over to its next detent half way.
+const SNAP_POINT: f64 = 0.5;
+/// Longest text that the firmware takes, bytes.
+const LONGEST_TEXT: usize = 50;
 
 /// A configuration of the firmware: the message `SmartKnobConfig` of `proto/smartknob.proto`, field by field.
-#[derive(Serialize)]
+#[derive(Debug, Serialize)]
 pub struct SmartKnob {
     /// Number of positions; 0 for no bounds.
     pub num_positions: u32,
     /// The position that it begins in.
     pub position: i32,
+    /// From one position to the next.
     pub position_width_radians: f64,
+    /// A quarter of the volts per radian off the middle of a position.
     pub detent_strength_unit: f64,
+    /// The same beyond the first and the last position.
     pub endstop_strength_unit: f64,
     /// Widths from the middle at which the position changes.
     pub snap_point: f64,
+    /// What the display shows.
     pub text: Cow<'static, str>,
 }
 
@@ -74,12 +86,14 @@ pub const ALL: [SmartKnob; 10] = [
 
 impl SmartKnob {
     /// Angle over which it is shown, rad: four positions at most.
+    #[must_use]
     pub fn reach_rad(&self) -> f64 {
         let last = if self.num_positions == 0 { 3 } else { (self.num_positions - 1).min(3) };
         (f64::from(last) + 1.6) * self.position_width_radians
     }
 
     /// Largest voltage against leaving a position, V.
+    #[must_use]
     pub fn peak_v(&self) -> f64 {
         self.volts(self.snap_point * self.position_width_radians, self.detent_strength_unit)
     }
@@ -89,8 +103,10 @@ impl SmartKnob {
         (V_PER_RAD * strength * (off_rad - off_rad.clamp(-dead, dead))).clamp(-SUPPLY_V, SUPPLY_V)
     }
 
-    /// The volts that a slow hand feels against it, there and back from below the first position.
-    pub fn sheet(&self) -> Sheet {
+    /// The volts that a slow hand feels against it, there and back from below the first position: the first angle and the
+    /// step in rad, then both ways by angle.
+    #[must_use]
+    pub fn slow_turn(&self) -> ([f64; 2], [Vec<f64>; 2]) {
         let width = self.position_width_radians;
         let step = width / f64::from(STEPS);
         let steps = (0..).take_while(|index| f64::from(*index) * step <= self.reach_rad()).count();
@@ -101,28 +117,20 @@ impl SmartKnob {
         let there: Vec<f64> = angles.iter().map(|angle| felt(*angle)).collect();
         let mut back: Vec<f64> = angles.iter().rev().map(|angle| felt(*angle)).collect();
         back.reverse();
-        let branch = |load: Vec<f64>| Branch {
-            axis: Axis::Rotary,
-            first,
-            step,
-            load_ci95_half_width: vec![0.0; load.len()],
-            load,
-        };
-        let curve = BTreeMap::from([("positive", branch(there)), ("negative", branch(back))]);
-        Sheet { axis: Axis::Rotary, runs: 1, figures: BTreeMap::new(), detents: Vec::new(), presses: Vec::new(), curve }
+        ([first, step], [there, back])
     }
 }
 
 /// A knob as it is turned: it keeps its position until the next one's is reached.
-pub struct Turned<'knob> {
-    pub knob: &'knob SmartKnob,
+struct Turned<'knob> {
+    knob: &'knob SmartKnob,
     /// The position that it is in, counted towards positive angle; the middle of position 0 is at angle 0.
-    pub position: i32,
+    position: i32,
 }
 
 impl Turned<'_> {
     /// The volts against leaving the position at that angle, rad.
-    pub fn volts_at(&mut self, angle_rad: f64) -> f64 {
+    fn volts_at(&mut self, angle_rad: f64) -> f64 {
         let knob = self.knob;
         let width = knob.position_width_radians;
         let ends = (knob.num_positions > 0).then(|| [0, i32::try_from(knob.num_positions - 1).unwrap_or(i32::MAX)]);
@@ -137,4 +145,65 @@ impl Turned<'_> {
             ends.is_some_and(|[first, last]| self.position == first && off < 0.0 || self.position == last && off > 0.0);
         knob.volts(off, if beyond { knob.endstop_strength_unit } else { knob.detent_strength_unit })
     }
+}
+
+/// A model as a configuration, and what it leaves out.
+#[derive(Debug)]
+pub struct SmartKnobExport {
+    /// The configuration.
+    pub knob: SmartKnob,
+    /// What a spring towards the middle of each position does not say, in words.
+    pub left_out: Vec<String>,
+    /// RMS of the torque that is left out along the motion, mNm.
+    pub left_out_mnm: f64,
+}
+
+/// A model as a configuration for a motor with that torque per volt, and the torque that it leaves out along a motion.
+#[must_use]
+pub fn smartknob(model: &Model, motor_mnm_per_v: f64, motions: &[Motion]) -> SmartKnobExport {
+    let table = TorqueOverAngle::of(model, 1, None).ok().filter(|table| table.is_period);
+    let rest = table.as_ref().and_then(|table| table.rest);
+    let width_deg = rest.zip(table.as_ref()).map_or(WIDTH_DEG, |(_, table)| table.span_rad.to_degrees());
+    let strength = |stiffness_mnm_rad: f64| stiffness_mnm_rad / (V_PER_RAD * motor_mnm_per_v);
+    let middle_rad = rest.map_or(0.0, |rest| rest.angle_rad);
+    let [first, positions] = positions(model, middle_rad, width_deg.to_radians());
+    let knob = SmartKnob {
+        num_positions: u32::try_from(positions).unwrap_or(0),
+        // The firmware counts against the angle.
+        position: (positions - 1 + first).max(0),
+        position_width_radians: width_deg.to_radians(),
+        detent_strength_unit: rest.map_or(0.0, |rest| strength(rest.stiffness_mnm_rad)),
+        endstop_strength_unit: stiffest_end_stop_mnm_rad(model).map_or(0.0, strength),
+        snap_point: SNAP_POINT,
+        // As much of it as the firmware takes.
+        text: model.name[..model.name.floor_char_boundary(LONGEST_TEXT)].to_owned().into(),
+    };
+    let first_rad = middle_rad + f64::from(first) * knob.position_width_radians;
+    let mut turned = Turned { knob: &knob, position: -first };
+    let said: Vec<f64> =
+        motions.iter().map(|motion| motor_mnm_per_v * turned.volts_at(motion.angle_rad - first_rad)).collect();
+    SmartKnobExport {
+        left_out: left_out(model, table.as_ref()),
+        left_out_mnm: left_out_by_mnm(model, &said, motions),
+        knob,
+    }
+}
+
+/// The first position between the end stops, counted from that at angle zero, and how many there are; none without stops.
+fn positions(model: &Model, middle_rad: f64, width_rad: f64) -> [i32; 2] {
+    let Some(stop) = model.effect(end_stop::KIND.name) else { return [0, 0] };
+    let [low_rad, high_rad, ..] = *stop.values() else { return [0, 0] };
+    let first = ((low_rad - middle_rad) / width_rad).ceil() as i32;
+    let last = ((high_rad - middle_rad) / width_rad).floor() as i32;
+    [first, last.saturating_sub(first).saturating_add(1).max(1)]
+}
+
+/// What a spring towards the middle of each position does not say.
+fn left_out(model: &Model, table: Option<&TorqueOverAngle>) -> Vec<String> {
+    let detents = table.map(|table| table.effects.as_slice()).unwrap_or_default();
+    let shape =
+        detents.iter().map(|name| format!("the shape of {name}: approximated by linear springs with a dead zone"));
+    let others = model.effects.iter().map(|effect| effect.kind().name);
+    let others = others.filter(|name| !detents.contains(name) && *name != end_stop::KIND.name);
+    shape.chain(others.map(str::to_owned)).collect()
 }

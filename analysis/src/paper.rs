@@ -1,9 +1,7 @@
 //! What Swindells and MacLean print of their five knobs.
 
 use dynamics::{Effect, Model, effects, knobs};
-use report::{PaperKnob, PaperValue};
-
-use crate::fit::true_value;
+use report::{PaperKnob, PaperValue, true_value};
 
 /// Descriptions of Table 4 and mean sizes of the fits' 95 % intervals in Table 5, mNm.
 const PRINTED: [(&str, f64); 5] = [
@@ -27,14 +25,14 @@ const OF_THE_TABLES: [&str; 4] = [
 ];
 
 /// What the paper prints of the knob called `name`; `None` for a name that is none of its numbers.
-pub fn knob(name: &str) -> Option<PaperKnob> {
+pub(crate) fn knob(name: &str) -> Option<PaperKnob> {
     let number: u32 = name.parse().ok()?;
     let shipped = knobs::paper_knob(number).ok()?;
     let (description, mean_ci95_mnm) = PRINTED[number as usize - 1];
     let printed = shipped.effects.iter().filter(|effect| OF_THE_TABLES.contains(&effect.kind().name));
     let parameters = printed.flat_map(Effect::parameters).map(|(kind, value)| {
         let printed = PaperValue {
-            value: true_value(&shipped, kind.name).unwrap_or(value),
+            value: true_value(Some(&shipped), kind.name, None).unwrap_or(value),
             // The tables give what resists turning negatively as a signed torque; a shipped knob keeps every other sign.
             printed: if matches!(kind.name, "coulomb_negative" | "static_negative") { -value } else { value },
             unit: kind.unit,
@@ -45,7 +43,7 @@ pub fn knob(name: &str) -> Option<PaperKnob> {
 }
 
 /// The paper's knob that a model is, value by value.
-pub fn knob_of(model: &Model) -> Option<PaperKnob> {
+pub(crate) fn knob_of(model: &Model) -> Option<PaperKnob> {
     let same = |number: &u32| knobs::paper_knob(*number).is_ok_and(|shipped| shipped.effects == model.effects);
     (1..=5).find(same).and_then(|number| knob(&number.to_string()))
 }

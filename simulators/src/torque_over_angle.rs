@@ -5,7 +5,26 @@ use std::fmt::Write as _;
 
 use dynamics::{Axis, Effect, Model, Motion, Role};
 
-use super::TableSpan;
+/// Angle that a table covers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum TableSpan {
+    /// From one detent to the next.
+    Period,
+    /// Once around, with springs and end stops.
+    Turn,
+}
+
+/// Why a model has no such table.
+#[derive(Debug, thiserror::Error)]
+pub enum TabulationError {
+    /// Several periods, or none.
+    #[error("{0} has no detents of a single period; use --over turn")]
+    NoPeriod(String),
+    /// Friction and inertia alone.
+    #[error("{0} has no torque that depends on the angle, so there is nothing to tabulate")]
+    NoTorque(String),
+}
 
 /// Relative difference up to which two periods are one.
 const SAME_PERIOD: f64 = 1e-9;
@@ -17,38 +36,40 @@ const TRAVEL_MM: f64 = 4.0;
 
 /// Torque that the knob takes at rest, over one period of its detents or a turn.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct TorqueOverAngle {
+pub struct TorqueOverAngle {
     /// Whether the control turns.
-    pub(super) axis: Axis,
+    pub(crate) axis: Axis,
     /// Angle that the table goes over, rad; it begins at zero.
-    pub(super) span_rad: f64,
+    pub(crate) span_rad: f64,
     /// Whether that is one period of the detents.
-    pub(super) is_period: bool,
+    pub(crate) is_period: bool,
     /// Torques at even steps of the angle, mNm; the one at the end of the span is not repeated.
-    pub(super) torque_mnm: Vec<f64>,
+    pub(crate) torque_mnm: Vec<f64>,
     /// Names of the effects that are in it.
-    pub(super) effects: Vec<&'static str>,
+    pub(crate) effects: Vec<&'static str>,
     /// Where the torque holds the knob best; none where it nowhere does.
-    pub(super) rest: Option<Rest>,
+    pub(crate) rest: Option<Rest>,
 }
 
 /// A place where the torque holds the knob.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Rest {
+pub(crate) struct Rest {
     /// Where it is, rad.
-    pub(super) angle_rad: f64,
+    pub(crate) angle_rad: f64,
     /// Slope of the torque there, mNm/rad.
-    pub(super) stiffness_mnm_rad: f64,
+    pub(crate) stiffness_mnm_rad: f64,
 }
 
 impl TorqueOverAngle {
-    /// Tabulates a model at so many points.
-    pub(super) fn of(model: &Model, points: u32, over: Option<TableSpan>) -> anyhow::Result<Self> {
+    /// Tabulates a model at so many points; without a span over one period of its detents, or a turn.
+    ///
+    /// # Errors
+    /// For a model without a torque of the angle, or without the period asked for.
+    pub fn of(model: &Model, points: u32, over: Option<TableSpan>) -> Result<Self, TabulationError> {
         let period_rad = period_rad(model);
         let span_rad = match over {
             Some(TableSpan::Turn) => TAU,
-            Some(TableSpan::Period) => period_rad
-                .ok_or_else(|| anyhow::anyhow!("{} has no detents of a single period; use --over turn", model.name))?,
+            Some(TableSpan::Period) => period_rad.ok_or_else(|| TabulationError::NoPeriod(model.name.clone()))?,
             None if !model.axis.is_rotary() => TRAVEL_MM,
             None => period_rad.unwrap_or(TAU),
         };
@@ -58,11 +79,9 @@ impl TorqueOverAngle {
             effect.kind().steepest_mnm_rad.is_some() && (!is_period || effect.kind().role == Role::Detents)
         };
         let effects: Vec<&Effect> = model.effects.iter().filter(taken).collect();
-        let name = &model.name;
-        anyhow::ensure!(
-            !effects.is_empty(),
-            "{name} has no torque that depends on the angle, so there is nothing to tabulate"
-        );
+        if effects.is_empty() {
+            return Err(TabulationError::NoTorque(model.name.clone()));
+        }
         let torque_mnm = |angle_rad: f64| -> f64 {
             let motion = Motion { angle_rad, ..Motion::default() };
             effects.iter().map(|effect| effect.free_torque_mnm(&motion)).sum()
@@ -86,7 +105,8 @@ impl TorqueOverAngle {
     }
 
     /// Two columns; over a period the last point repeats the first, as `compose --detents` reads it.
-    pub(super) fn to_csv(&self) -> String {
+    #[must_use]
+    pub fn to_csv(&self) -> String {
         let mut text = self.axis.words("angle_rad,torque_mnm\n").into_owned();
         let points = self.torque_mnm.len();
         let repeated = usize::from(self.is_period);
@@ -97,7 +117,9 @@ impl TorqueOverAngle {
         text
     }
 
-    pub(super) fn in_words(&self) -> String {
+    /// What it covers, for an operator.
+    #[must_use]
+    pub fn in_words(&self) -> String {
         let over = match self.axis {
             Axis::Linear => "its travel",
             Axis::Rotary if self.is_period => "one period of the detents",

@@ -11,17 +11,18 @@ use std::fmt::Write as _;
 use dynamics::effects::end_stop;
 use dynamics::{Axis, Model, ParameterKind};
 
-use super::torque_over_angle::TorqueOverAngle;
+use crate::TorqueOverAngle;
 
 const PER_LINE: usize = 6;
 /// Pieces of C, with names between `@` for what is filled in.
-const SMARTKNOB: &str = include_str!("smartknob.h.in");
-const TABLE: &str = include_str!("table.h.in");
-const ENDS_ROTARY: &str = include_str!("table_ends_rotary.h.in");
-const ENDS_LINEAR: &str = include_str!("table_ends_linear.h.in");
+const SMARTKNOB: &str = include_str!("firmware/smartknob.h.in");
+const TABLE: &str = include_str!("firmware/table.h.in");
+const ENDS_ROTARY: &str = include_str!("firmware/table_ends_rotary.h.in");
+const ENDS_LINEAR: &str = include_str!("firmware/table_ends_linear.h.in");
 
-/// The header; `name` is what its names begin with.
-pub(super) fn header(model: &Model, table: Option<&TorqueOverAngle>, source: &str, name: &str) -> String {
+/// The header of a model from `source`, with its table if it has one; `name` is what its names begin with.
+#[must_use]
+pub fn c_header(model: &Model, table: Option<&TorqueOverAngle>, source: &str, name: &str) -> String {
     let upper = identifier(name).to_uppercase();
     let mut text = String::new();
     let axis = model.axis;
@@ -81,7 +82,7 @@ fn smart_knob(model: &Model, table: &TorqueOverAngle, upper: &str) -> String {
 }
 
 /// Stiffness of the stiffer end stop, mNm/rad, where the model has them.
-pub(super) fn stiffest_end_stop_mnm_rad(model: &Model) -> Option<f64> {
+pub(crate) fn stiffest_end_stop_mnm_rad(model: &Model) -> Option<f64> {
     model.effect(end_stop::KIND.name).map(|stop| stop.values()[2].max(stop.values()[3]))
 }
 

@@ -1,0 +1,136 @@
+//! What a rig's channels read while nothing moves it, as `rig check --json` writes it.
+
+use archive::Capture;
+use serde::Serialize;
+
+/// Share of the ticks that may be missed or stale before the rate counts as not held.
+const MISSED_SHARE: f64 = 0.01;
+
+/// Share of a period from which on the exchange with the rig is what misses ticks.
+const SLOW_SHARE: f64 = 0.5;
+
+/// What a channel read while nothing moved it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Reading {
+    /// Its name.
+    pub channel: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Mean of all readings.
+    pub mean: f64,
+    /// From its least to its most.
+    pub span: f64,
+    /// RMS of the noise of one reading, from the differences of neighbours.
+    pub noise_rms: f64,
+}
+
+/// What was read, and what is wrong with it.
+#[derive(Clone, Debug, Serialize)]
+pub struct RigCheck {
+    /// The rig.
+    pub rig: String,
+    /// Ticks per second.
+    pub rate_hz: f64,
+    /// Ticks that were read.
+    pub samples: u64,
+    /// Ticks that the loop missed.
+    pub missed_ticks: u64,
+    /// Ticks without new data.
+    pub stale_ticks: u64,
+    /// Mean time from when a tick was due to when the encoder was read, µs; `None` where every tick was read when it was due.
+    pub read_after_us: Option<f64>,
+    /// Standard deviation of the same, µs.
+    pub read_after_sd_us: Option<f64>,
+    /// Time of the amplifier's watchdog as it was read back; `None` where the rig does not say.
+    pub watchdog: Option<String>,
+    /// What each channel read.
+    pub channels: Vec<Reading>,
+    /// What in its file looks like another unit, or is counted twice, in sentences.
+    pub doubts: Vec<String>,
+    /// What is wrong, in sentences.
+    pub amiss: Vec<String>,
+}
+
+impl RigCheck {
+    /// Looks at a capture of the rig without torque.
+    #[must_use]
+    pub fn of(capture: &Capture) -> Self {
+        let run = capture.description.as_ref();
+        let angle = reading("angle", "rad", &capture.angle_rad);
+        let torque = reading("torque", "mNm", &capture.torque_mnm);
+        let acceleration = capture.acceleration_rad_s2.as_ref().map(|column| reading("acceleration", "rad/s²", column));
+        let contact = capture.contact.as_ref().map(|column| reading("contact", "1 if closed", column));
+        let after_us = |after_s: &Vec<f64>| (1e6 * mean(after_s), 1e6 * deviation(after_s));
+        let (read_after_us, read_after_sd_us) = capture.measured_after_s.as_ref().map(after_us).unzip();
+        let missed_ticks = capture.ticks_without_sample().saturating_sub(capture.unmeasured_samples);
+        let ticks = capture.len() as f64 + capture.unmeasured_samples as f64 + missed_ticks as f64;
+        let mut amiss = Vec::new();
+        if torque.span == 0.0 {
+            amiss.push("the torque is constant; check its source, and the sensor's cable and supply".to_owned());
+        }
+        if acceleration.as_ref().is_some_and(|channel| channel.span == 0.0) {
+            amiss.push("the acceleration is constant; check it, or omit [channels.acceleration]".to_owned());
+        }
+        if missed_ticks as f64 > MISSED_SHARE * ticks {
+            let (exchange_ms, period_ms) = (1e3 * capture.rig.mean_exchange_s, 1e3 / capture.rate_hz);
+            let cause = if exchange_ms > SLOW_SHARE * period_ms {
+                format!(
+                    "an exchange with the rig takes {exchange_ms:.2} ms of a period of {period_ms:.2} ms: its driver or library \
+                     waits; have it return at once, or"
+                )
+            } else {
+                "this machine cannot hold the rate;".to_owned()
+            };
+            amiss.push(format!("{missed_ticks} of {ticks} ticks were missed: {cause} try a lower --rate-hz"));
+        }
+        if capture.unmeasured_samples as f64 > MISSED_SHARE * ticks {
+            let stale = capture.unmeasured_samples;
+            amiss.push(format!(
+                "{stale} of {ticks} ticks had no new data: the device is slower than the rate; lower [rates] fastest_hz"
+            ));
+        }
+        let notes = run.map(|run| run.notes.as_slice()).unwrap_or_default();
+        let note = |name: &str| notes.iter().find(|(known, _)| known == name).map(|(_, value)| value.clone());
+        let watchdog = note("watchdog");
+        if watchdog.is_none() {
+            amiss.push(
+                "the rig does not read back its watchdog: make sure that killing the program removes the torque"
+                    .to_owned(),
+            );
+        }
+        Self {
+            rig: run.map(|run| run.apparatus.clone()).unwrap_or_default(),
+            rate_hz: capture.rate_hz,
+            samples: capture.len() as u64,
+            missed_ticks,
+            stale_ticks: capture.unmeasured_samples,
+            read_after_us,
+            read_after_sd_us,
+            watchdog,
+            doubts: note("delay").into_iter().collect(),
+            channels: [angle, torque].into_iter().chain(acceleration).chain(contact).collect(),
+            amiss,
+        }
+    }
+}
+
+fn reading(channel: &'static str, unit: &'static str, values: &[f64]) -> Reading {
+    let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    // The difference of two readings has the noise of both.
+    let noise_rms = deviation(&steps) / std::f64::consts::SQRT_2;
+    Reading { channel, unit, mean: mean(values), span: span(values), noise_rms }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+fn deviation(values: &[f64]) -> f64 {
+    let mean = mean(values);
+    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+/// From the least of the values to the most; negative of none.
+fn span(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::MIN, f64::max) - values.iter().copied().fold(f64::MAX, f64::min)
+}
