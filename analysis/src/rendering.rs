@@ -57,8 +57,8 @@ pub fn rendering(model: &Model, captures: &RenderedCaptures) -> Result<(Renderin
         ..rendering
     };
     rendering.passed = rendering.parameters.iter().all(|parameter| parameter.passed != Some(false))
-        && rendering.torque_error_percent <= LIMITS.torque_error_percent
-        && held_still.is_none_or(|held| held.encoder_steps < 1.0);
+        && rendering.torque_passes()
+        && rendering.is_held_still();
     Ok((rendering, fit))
 }
 

@@ -23,9 +23,9 @@ pub(crate) const WORTHWHILE_SHARE: f64 = 0.25;
 /// … or have this amplitude relative to the RMS of the torque: less is a ripple, felt by nobody.
 pub(crate) const WORTHWHILE_AMPLITUDE: f64 = 0.1;
 /// How far above the background the evidence for a period must stand beyond what the number of periods tried gives by chance.
-const MARGIN: f64 = 6.0;
-/// Standard errors by which detents must predict stretches of the capture that they were not fitted to.
-const PREDICTS: f64 = 3.0;
+pub(crate) const MARGIN: f64 = 6.0;
+/// Standard errors by which a sinusoid must predict stretches of the capture that it was not fitted to.
+pub(crate) const PREDICTS: f64 = 3.0;
 /// A detent must take away this many times what the null test does: the best other period, one further true
 /// sinusoid being granted, in what the detent leaves …
 const NULL_TEST: f64 = 2.0;

@@ -1,4 +1,4 @@
-//! Where a model and a capture disagree, what is missing in the words of the field, and whether adding it helps.
+//! What a model lacks to explain a capture: located, named and tested.
 //!
 //! `capture` makes the two captures ready, `model_fit` fits a model to one, `search` tries effect after effect, and `verdict` says what
 //! was found. [`diagnose`] goes through them.

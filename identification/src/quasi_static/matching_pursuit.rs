@@ -8,6 +8,7 @@ use std::f64::consts::{PI, TAU};
 use super::block_sums::{BlockSums, Estimate, critical};
 use super::interval;
 use crate::detents::scan::background_of;
+use crate::detents::{MARGIN, PREDICTS};
 use crate::estimate::Harmonic;
 use crate::numerics::{fourier, vector};
 use crate::regression::refiner::{self, Ended, longest_improving};
@@ -24,10 +25,6 @@ const WHOLE_TURN: f64 = 0.98;
 const PADDING: f64 = 4.0;
 /// … and must hold this many periods.
 const FEWEST_PERIODS: f64 = 2.0;
-/// How far a sinusoid must stand above the others beyond what the number of sinusoids tried gives by chance.
-const MARGIN: f64 = 6.0;
-/// Standard errors by which a sinusoid must predict stretches that it was not fitted to.
-const PREDICTS: f64 = 3.0;
 /// A sinusoid that explains less than this share of what the others leave is not worth a line of the table: of the
 /// thousands tried, the best one explains a little of anything.
 const WORTHWHILE: f64 = 0.01;

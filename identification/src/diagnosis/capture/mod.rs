@@ -28,6 +28,8 @@ use crate::uncertainty::statistics::{quantile, rms};
 
 /// Widest upper edge of the comparison, Hz: contact and shaft show below it, a rig's own resonances lie above.
 pub(crate) const EDGE_HZ: f64 = 200.0;
+/// Weight of the mask from which the knob surely slides.
+pub(crate) const SLIDING: f64 = 0.9;
 /// The edge is at most this share of the sample rate.
 const WIDEST: f64 = 0.1;
 /// Skew allowed between torque and motion, in samples.

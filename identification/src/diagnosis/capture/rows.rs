@@ -1,6 +1,6 @@
 //! The comparison row by row, for plots.
 
-use crate::diagnosis::capture::Capture;
+use crate::diagnosis::capture::{Capture, SLIDING};
 use crate::diagnosis::findings::Row;
 use crate::diagnosis::search::judged::Judged;
 
@@ -10,7 +10,7 @@ pub(crate) fn of(first: &Judged, last: &Judged, captures: [&Capture; 2]) -> [Vec
     let mut all = captures.into_iter().zip(residuals).map(|(capture, (before, after))| {
         let torque = capture.target(last.structure.delay_s());
         let motions = capture.row_motions();
-        let sliding = motions.iter().enumerate().filter(|(_, (_, mask))| *mask > 0.9);
+        let sliding = motions.iter().enumerate().filter(|(_, (_, mask))| *mask > SLIDING);
         sliding
             .map(|(index, (motion, _))| Row {
                 t_s: capture.start_s + motion.time_s,

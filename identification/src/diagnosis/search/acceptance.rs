@@ -15,6 +15,10 @@ const SMALLEST: f64 = 0.06;
 const CHANCE: f64 = 0.05;
 /// RMS in floors up to which a residual may be taken for noise.
 pub(crate) const MOSTLY_NOISE: f64 = 3.0;
+/// RMS in floors above which something is left, if it goes with something.
+pub(crate) const LEFT: f64 = 1.3;
+/// Evidence by which rivals must differ not to be a tie, nats: odds of 20 to 1.
+pub(crate) const TIE: f64 = 3.0;
 /// Share of the gap's amplitude up to which nothing more is looked for.
 pub(crate) const UNEXPLAINED: f64 = 0.06;
 /// Share of it that a complete explanation may leave, since a contact is never quite as its model has it, and up to which a coupling is not

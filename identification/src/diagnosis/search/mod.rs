@@ -13,8 +13,8 @@ use dynamics::{Effect, EffectKind, Part, effects};
 use rayon::prelude::*;
 
 use self::acceptance::{
-    EVIDENCE, FALSE_DISCOVERIES, explains_most_of_the_gap, explains_nearly_all, explains_the_gap, takes_its_part,
-    worthwhile,
+    EVIDENCE, FALSE_DISCOVERIES, LEFT, TIE, explains_most_of_the_gap, explains_nearly_all, explains_the_gap,
+    takes_its_part, worthwhile,
 };
 use self::judged::Judged;
 use crate::diagnosis::capture::Capture;
@@ -24,7 +24,6 @@ use crate::diagnosis::model_fit::nonlinear::Nonlinear;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::model_fit::unequal;
-use crate::diagnosis::verdict::{LEFT, TIE};
 use crate::diagnosis::workflow::{DiagnoseOptions, Progress};
 use crate::fit::fit_without_notes;
 use crate::numerics::vector::dot;

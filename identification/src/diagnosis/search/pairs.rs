@@ -3,11 +3,10 @@
 use dynamics::EffectKind;
 use rayon::prelude::*;
 
-use crate::diagnosis::search::acceptance::{EVIDENCE, explains_enough, worthwhile};
+use crate::diagnosis::search::acceptance::{EVIDENCE, LEFT, explains_enough, worthwhile};
 use crate::diagnosis::search::hypotheses::{self, Effort};
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::{Found, MOST_EFFECTS, Search};
-use crate::diagnosis::verdict::LEFT;
 
 /// Effects, the best ones, with which second ones are tried.
 const HIDING: usize = 3;

@@ -3,11 +3,10 @@
 use dynamics::effects::{self, cogging};
 use dynamics::{Effect, EffectKind};
 
-use crate::diagnosis::search::acceptance::{FALSE_DISCOVERIES, takes_its_part, worthwhile};
+use crate::diagnosis::search::acceptance::{FALSE_DISCOVERIES, TIE, takes_its_part, worthwhile};
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::trials::detent_of;
 use crate::diagnosis::search::{Found, Search};
-use crate::diagnosis::verdict::TIE;
 
 /// Effects of which the first is the second where the capture does not show its further parameter: a spring far from its centre is an
 /// offset.

@@ -13,11 +13,10 @@ use crate::diagnosis::model_fit::separable::{BEND, Separable};
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::model_fit::unequal;
-use crate::diagnosis::search::acceptance::{EVIDENCE, explains_most_of_the_gap};
+use crate::diagnosis::search::acceptance::{EVIDENCE, LEFT, explains_most_of_the_gap};
 use crate::diagnosis::search::hypotheses::{self, Effort};
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::{Found, Search};
-use crate::diagnosis::verdict::LEFT;
 use crate::diagnosis::workflow::Progress;
 use crate::numerics::vector::dot;
 

@@ -1,9 +1,9 @@
-//! Where a model and a capture disagree: the residual as a map over everything that it might depend on.
+//! Where the residual lies: as a map over everything that it might depend on.
 
 use std::f64::consts::TAU;
 
-use crate::diagnosis::capture::Capture;
 use crate::diagnosis::capture::periodogram::periodogram;
+use crate::diagnosis::capture::{Capture, SLIDING};
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::vector::dot;
 use crate::uncertainty::statistics::{false_discovery_rate, mean_over_error, median, student_above};
@@ -44,7 +44,7 @@ pub struct Location {
 /// Maps a residual over all coordinates, the one that explains most first.
 pub(crate) fn locate(residual: &[f64], structure: &Structure, capture: &Capture) -> Vec<Location> {
     let rows = capture.row_motions();
-    let kept: Vec<usize> = (0..rows.len().min(residual.len())).filter(|index| rows[*index].1 > 0.9).collect();
+    let kept: Vec<usize> = (0..rows.len().min(residual.len())).filter(|index| rows[*index].1 > SLIDING).collect();
     let values: Vec<f64> = kept.iter().map(|index| residual[*index]).collect();
     let take = |of: &dyn Fn(usize) -> f64| -> Vec<f64> { kept.iter().map(|index| of(*index)).collect() };
     let travel = travel_since_reversal(&rows.iter().map(|(motion, _)| motion.angle_rad).collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-//! What was found, in figures and words.
+//! What was found: where the residual lies, whether it is explained, and what to capture next.
 
 pub(crate) mod commanded;
 pub(crate) mod experiment;
@@ -9,27 +9,25 @@ use std::collections::BTreeMap;
 use dynamics::{Model, effects, simulate};
 
 use self::locate::locate;
-use crate::diagnosis::capture::rows;
+use crate::diagnosis::capture::{Capture, SLIDING, rows};
 use crate::diagnosis::findings::{Diagnosis, Rival, Step, Value, Verdict};
 use crate::diagnosis::model_fit::intervals;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::unequal;
-use crate::diagnosis::search::acceptance::{MOSTLY_EXPLAINED, MOSTLY_NOISE, UNEXPLAINED, takes_its_part, worthwhile};
+use crate::diagnosis::search::acceptance::{
+    LEFT, MOSTLY_EXPLAINED, MOSTLY_NOISE, TIE, UNEXPLAINED, takes_its_part, worthwhile,
+};
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::{Found, Search};
 use crate::fit::report::one_sided_friction;
 use crate::numerics::vector::dot;
 use crate::uncertainty::statistics::rank_correlation;
 
-/// RMS in floors above which something is left, if it goes with something …
-pub(crate) const LEFT: f64 = 1.3;
-/// … and above which it need not: where noise is stronger at low frequencies, the rests by which it is measured are too short to show
-/// all of it. Of 34 captures with such noise and nothing hidden, four left 1.6 to 1.8 floors.
+/// RMS in floors above which something is left even if it goes with nothing: where noise is stronger at low frequencies, the rests by which it is
+/// measured are too short to show all of it. Of 34 captures with such noise and nothing hidden, four left 1.6 to 1.8 floors.
 const CERTAINLY_LEFT: f64 = 2.0;
-/// Correlation of the ranks of time and speed from which they are one.
-const ONE: f64 = 0.98;
-/// Evidence by which rivals must differ not to be a tie, nats: odds of 20 to 1.
-pub(crate) const TIE: f64 = 3.0;
+/// Correlation of the ranks of time and speed from which their effects cannot be separated.
+const INSEPARABLE: f64 = 0.98;
 /// Time over which motion is predicted from torque before it is started anew, s.
 pub const FORWARD_WINDOW_S: f64 = 0.1;
 
@@ -53,6 +51,20 @@ fn next_step(coordinate: Option<&str>) -> &'static str {
              report page"
         }
     }
+}
+
+/// A note on a capture in which the speed only rises or only falls, as when the torque is a ramp: what depends on time
+/// looks like what depends on speed.
+fn note_on_time_and_speed(train: &Capture) -> Option<String> {
+    let rows = train.row_motions();
+    let sliding = rows.iter().filter(|(_, mask)| *mask > SLIDING).map(|(motion, _)| motion);
+    let points: Vec<[f64; 2]> = sliding.map(|motion| [motion.time_s, motion.velocity_rad_s.abs()]).collect();
+    let correlation = rank_correlation(&points);
+    (correlation.abs() > INSEPARABLE).then(|| {
+        "in the training capture time and speed are correlated: friction that changes with time cannot be distinguished from \
+         friction that changes with speed; capture a motion whose speed rises and falls"
+            .to_owned()
+    })
 }
 
 impl Search<'_> {
@@ -149,7 +161,7 @@ impl Search<'_> {
                     .to_owned(),
             );
         }
-        diagnosis.notes.extend(self.time_and_speed_are_one());
+        diagnosis.notes.extend(note_on_time_and_speed(self.train));
         let levels = ["coulomb_negative", "coulomb_positive"].map(|name| last.structure.parameter(name));
         if let [Some(negative), Some(positive)] = levels
             && last.structure.position(effects::torque_offset::KIND.name).is_none()
@@ -182,20 +194,6 @@ impl Search<'_> {
             }
         }
         values
-    }
-
-    /// A note on a capture in which the speed only rises or only falls, as when the torque is a ramp: what depends on time
-    /// looks like what depends on speed.
-    fn time_and_speed_are_one(&self) -> Option<String> {
-        let rows = self.train.row_motions();
-        let sliding = rows.iter().filter(|(_, mask)| *mask > 0.9).map(|(motion, _)| motion);
-        let points: Vec<[f64; 2]> = sliding.map(|motion| [motion.time_s, motion.velocity_rad_s.abs()]).collect();
-        let correlation = rank_correlation(&points);
-        (correlation.abs() > ONE).then(|| {
-            "in the training capture time and speed are correlated: friction that changes with time cannot be distinguished from \
-             friction that changes with speed; capture a motion whose speed rises and falls"
-                .to_owned()
-        })
     }
 
     /// Error of the held-out motion predicted from the torque, with the first and with the final model.

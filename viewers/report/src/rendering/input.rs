@@ -101,6 +101,20 @@ pub struct RenderedParameter {
     pub reason: Option<String>,
 }
 
+impl Rendering {
+    /// Whether the torque is close enough to the model's.
+    #[must_use]
+    pub fn torque_passes(&self) -> bool {
+        self.torque_error_percent <= self.limits.torque_error_percent
+    }
+
+    /// Whether a knob that sticks is held within one step of the encoder.
+    #[must_use]
+    pub fn is_held_still(&self) -> bool {
+        self.held_still.is_none_or(|held| held.encoder_steps < 1.0)
+    }
+}
+
 /// How still a sticking knob is held.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct HeldStill {

@@ -66,10 +66,10 @@ fn verdict(found: &Rendering) -> String {
     }
     let failed = found.parameters.iter().filter(|parameter| parameter.passed == Some(false));
     let mut reasons: Vec<String> = failed.map(|parameter| parameter.name.to_owned()).collect();
-    if found.torque_error_percent > found.limits.torque_error_percent {
+    if !found.torque_passes() {
         reasons.push("the torque".to_owned());
     }
-    if found.held_still.is_some_and(|held| held.encoder_steps >= 1.0) {
+    if !found.is_held_still() {
         reasons.push("how still it is held".to_owned());
     }
     format!("The rendered knob differs from the model in {}.", reasons.join(", "))
