@@ -71,19 +71,19 @@ impl Schemas {
     pub(crate) fn learn(&mut self, header: mcap::records::SchemaHeader, data: &[u8]) {
         let schema =
             Schema { name: header.name, encoding: header.encoding, text: String::from_utf8_lossy(data).into_owned() };
-        if self.known.get(&header.id) != Some(&schema) && self.has_room(schema.bytes()) {
+        if self.known.get(&header.id) != Some(&schema) && self.take_room(schema.bytes()) {
             self.known.insert(header.id, schema);
         }
     }
 
-    /// What a channel holds; `None` for one that was defined before, as files repeat them, and for those beyond the bounds.
+    /// Defines a channel and gives what it holds; `None` if it was defined before, as files repeat definitions, or exceeds the bounds.
     pub(crate) fn define(&mut self, channel: mcap::records::Channel) -> Option<ChannelDefinition> {
         let schema = self.known.get(&channel.schema_id).cloned();
         let is_complete = schema.is_some() || channel.schema_id == 0;
         let schema = schema.unwrap_or_default();
         let metadata: usize = channel.metadata.iter().map(|(key, value)| key.len() + value.len()).sum();
         let bytes = schema.bytes() + channel.topic.len() + metadata;
-        if self.defined.contains(&channel.id) || self.defined.len() >= MOST_CHANNELS || !self.has_room(bytes) {
+        if self.defined.contains(&channel.id) || self.defined.len() >= MOST_CHANNELS || !self.take_room(bytes) {
             return None;
         }
         // One whose schema comes later is defined again.
@@ -102,7 +102,7 @@ impl Schemas {
     }
 
     /// Counts so many bytes more, if there is room for them.
-    fn has_room(&mut self, bytes: usize) -> bool {
+    fn take_room(&mut self, bytes: usize) -> bool {
         let room = self.bytes + bytes <= MOST_BYTES;
         self.bytes += if room { bytes } else { 0 };
         room

@@ -136,7 +136,7 @@ impl FieldLayout {
         })
     }
 
-    /// The field's (first) value as a count; `None` when the body is too short or the type is
+    /// The field's value as an unsigned integer, the first of an array; `None` when the body is too short or the type is
     /// not an unsigned integer.
     #[must_use]
     pub fn as_u64(&self, body: &[u8]) -> Option<u64> {

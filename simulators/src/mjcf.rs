@@ -122,6 +122,7 @@ fn tendon(joint: &Joint, text: &mut String) {
 fn actuators(joint: &Joint, text: &mut String) {
     let mut sines = joint.sines.clone();
     let difference_mnm = 0.5 * (joint.coulomb_mnm[1] - joint.coulomb_mnm[0]);
+    // Unequal Coulomb levels are their mean and a constant torque: a sine of wavenumber zero.
     if difference_mnm != 0.0 && joint.bristles.is_none() {
         sines.push(Sine { amplitude_mnm: difference_mnm, per_rad: 0.0, phase_rad: FRAC_PI_2 });
     }

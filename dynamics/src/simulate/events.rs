@@ -127,7 +127,7 @@ impl ForwardSimulation<'_> {
         })
     }
 
-    /// Time and place after the longest step up to `end_s` that keeps to the tolerance.
+    /// Time and state after the longest step up to `end_s` that keeps to the tolerance.
     fn step_towards(&mut self, end_s: f64, torque: &TorqueLine) -> (f64, Place) {
         let remaining_s = end_s - self.time_s;
         let mut step_s = self.step_s.min(remaining_s);
@@ -135,6 +135,7 @@ impl ForwardSimulation<'_> {
             let step = self.stepped(step_s, torque);
             if step.error <= 1.0 || step_s <= SHORTEST_STEP_S {
                 let whole = step_s >= remaining_s;
+                // A step cut short by `end_s` says nothing about the next one's length.
                 if !whole || step_s >= self.step_s {
                     self.step_s = (step_s * step.growth()).clamp(SHORTEST_STEP_S, LONGEST_STEP_S);
                 }

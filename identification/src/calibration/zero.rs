@@ -13,8 +13,8 @@ const STRETCHES: usize = 30;
 
 /// Averages torque and acceleration of a rig at rest with nothing on the gripper.
 ///
-/// Takes gravity from `known`, at the angle at which the rig rests: its own error is not in the
-/// interval. Tells `torque_zero_mnm` and, where there is an accelerometer, `acceleration_zero_rad_s2`.
+/// Takes gravity from `known`, at the angle at which the rig rests: the interval leaves out gravity's own
+/// error. Tells `torque_zero_mnm` and, where there is an accelerometer, `acceleration_zero_rad_s2`.
 ///
 /// # Errors
 /// [`CalibrateError`] for a rig that moves.

@@ -170,7 +170,7 @@ pub(crate) fn search<'a>(
     Ok(Solved { problem, solution, no_detents: None, aliases_rad, harmonics, is_unsettled })
 }
 
-/// Rows of the place in the travel, its square and its cube, and of the angle's sine and cosine: what bends the torque over the travel and
+/// Rows of the position within the travel, from −1 to 1, its square and its cube, and of the angle's sine and cosine: what bends the torque over the travel and
 /// is no detent.
 fn bends(problem: &Problem<'_>) -> Vec<Column> {
     let Problem { row_filter, motion, .. } = problem;

@@ -101,7 +101,7 @@ impl<'a> Sensors<'a> {
             .collect()
     }
 
-    /// Whether both sensors say the same below the frequency where they are equally noisy.
+    /// Whether the accelerometer's gain on the encoder's acceleration is one below the frequency where they are equally noisy.
     fn agree(&self) -> bool {
         let slow = |signal: &[f64]| low_pass(4, self.equal_hz, self.rate_hz, signal);
         let (encoder, sensor) = (slow(&self.second_derivative_rad_s2), slow(&self.prompt_rad_s2));

@@ -101,7 +101,7 @@ impl Uniform {
         Self::of_columns(samples, step, places.iter().map(|place| place.2).collect(), sampled)
     }
 
-    /// The columns as `sampled` puts them on the grid.
+    /// The columns on the grid, each as `sampled` there.
     fn of_columns(
         samples: &Samples<'_>,
         step_s: f64,

@@ -70,7 +70,7 @@ impl Ending {
         self.status.map_or(0, |status| status.taken_samples())
     }
 
-    /// True when the recording is to be ended; says why unless the run simply is complete.
+    /// Whether the recording ends now; warns unless the run is complete.
     pub(crate) fn has_come(&mut self, recording: &Recording, stop: &Stop) -> bool {
         let now_ns = rig::monotonic_time_ns();
         if stop.is_asked() {
