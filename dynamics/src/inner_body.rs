@@ -101,8 +101,8 @@ impl<'model> InnerBody<'model> {
         }
     }
 
-    /// An inner body that turns with its cap, a shaft between them being twisted by a torque; where in a gap a body begins no torque shows, so it
-    /// rests in the middle.
+    /// An inner body under a cap that bears a torque. On a shaft it turns with the cap, behind it by the twist; in a gap the torque does not show
+    /// where it is, so it rests in the middle.
     pub(crate) fn under(knob: &'model Model, coupling: Coupling, cap: &Motion, torque_mnm: f64) -> Self {
         let body = Self::at_rest(knob, coupling, cap.angle_rad);
         if coupling.half_gap_rad > 0.0 {

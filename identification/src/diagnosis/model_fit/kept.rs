@@ -28,8 +28,8 @@ pub(super) struct Product {
 }
 
 impl Kept {
-    /// What is kept of `after`: what it has in common with `before`, of which this is, is taken over. Its values may differ, and it may have
-    /// more effects at the end.
+    /// Turns what is kept of `before` into what is kept of `after`, which may have other values and more effects at the end. What did not change
+    /// stays.
     pub(super) fn updated(mut self, before: &Structure, after: &Structure, capture: &Capture) -> Self {
         let changed = changed(before, after);
         self.rows.resize(after.effects.len(), Vec::new());
@@ -63,7 +63,7 @@ impl Kept {
     }
 }
 
-/// Effects of `after` whose columns `before`, with other values or fewer effects, does not have.
+/// Effects of `after` that `before` lacks or has with other columns.
 pub(super) fn changed(before: &Structure, after: &Structure) -> Vec<usize> {
     let bristles = before.bristles() != after.bristles();
     let differs = |index: &usize| {
