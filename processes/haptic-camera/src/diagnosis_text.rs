@@ -22,8 +22,8 @@ pub fn is_floor_doubtful(found: &Diagnosis) -> bool {
 
 /// The diagnosis line by line, none wider than 80 columns.
 pub fn lines(found: &Diagnosis) -> Vec<String> {
-    let mut lines = paragraph("", &found.summary);
-    let mut say = |text: &str| lines.extend(paragraph("", text));
+    let mut lines = paragraph(&found.summary);
+    let mut say = |text: &str| lines.extend(paragraph(text));
     if is_floor_doubtful(found) {
         say("The residual is below the noise floor, so the floor is wrong: it is measured while the knob rests, and \
              more than noise acted there. Effects below that floor are not found: judge by the residual torque.");
@@ -47,17 +47,17 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
         let tied = found.steps.iter().filter(|step| !step.ties.is_empty());
         lines.extend(tied.flat_map(|step| {
             let rivals = step.ties.join(" or ");
-            paragraph("", &format!("A tie: the captures cannot discriminate between {} and {rivals}.", step.effect))
+            paragraph(&format!("A tie: the captures cannot discriminate between {} and {rivals}.", step.effect))
         }));
     }
     let measured = found.characteristics.iter().map(|characteristic| measured(characteristic, decimals));
-    lines.extend(measured.chain(forward(found)).flat_map(|text| paragraph("", &text)));
+    lines.extend(measured.chain(forward(found)).flat_map(|text| paragraph(&text)));
     match (found.verdict, goes_with(&found.where_after)) {
         (Verdict::None, _) | (Verdict::Effects, None) => {}
         (Verdict::OutsideLibrary, None) => {
-            lines.extend(paragraph("", "The residual depends on no single quantity beyond chance."));
+            lines.extend(paragraph("The residual depends on no single quantity beyond chance."));
         }
-        (_, Some(words)) => lines.extend(paragraph("", &format!("The remaining residual depends on {words}."))),
+        (_, Some(words)) => lines.extend(paragraph(&format!("The remaining residual depends on {words}."))),
     }
     if !found.partial.is_empty() {
         let of = match found.verdict {
@@ -66,17 +66,17 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
             }
             Verdict::None | Verdict::Effects => "Effects that would explain too little of the residual to be named:",
         };
-        lines.extend(paragraph("", of));
+        lines.extend(paragraph(of));
         for partial in &found.partial {
             let why_not = partial.disqualified.as_ref().map_or_else(String::new, |reason| format!(" ({reason})"));
-            lines.extend(paragraph("-", &format!("{} {:.0} %{why_not}", partial.effect, partial.explains_percent)));
+            lines.extend(paragraph(&format!("- {} {:.0} %{why_not}", partial.effect, partial.explains_percent)));
         }
     }
     if let Some(next) = &found.next_experiment {
         let [one, other] = &next.tells_apart;
-        lines.extend(paragraph("", &format!("To discriminate between {one} and {other}: {}.", next.reason)));
+        lines.extend(paragraph(&format!("To discriminate between {one} and {other}: {}.", next.reason)));
     }
-    lines.extend(found.notes.iter().flat_map(|note| paragraph("-", note)));
+    lines.extend(found.notes.iter().flat_map(|note| paragraph(&format!("- {note}"))));
     lines
 }
 
@@ -184,6 +184,6 @@ fn table<const COLUMNS: usize>(
     table
 }
 
-fn paragraph(mark: &str, text: &str) -> Vec<String> {
-    terminal::paragraph(mark, text, WIDTH)
+fn paragraph(sentence: &str) -> Vec<String> {
+    terminal::paragraph(sentence, WIDTH)
 }

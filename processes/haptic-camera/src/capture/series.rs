@@ -85,7 +85,8 @@ pub(super) fn until_named(options: &CaptureOptions, interrupted: &AtomicBool) ->
         let next = match next(&found, &made, options.request.duration_s, options.budget) {
             _ if interrupted.load(Ordering::Acquire) => None,
             Next::Experiment(experiment, [one, other]) => {
-                say(format!("\ncapture {}: to discriminate between {one} and {other}", taken.len() + 1));
+                say("");
+                say(format!("capture {}: to discriminate between {one} and {other}", taken.len() + 1));
                 Some(experiment)
             }
             end => {

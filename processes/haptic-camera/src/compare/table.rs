@@ -23,8 +23,10 @@ pub fn lines(compared: &Comparison) -> Vec<String> {
     let mut lines = Vec::new();
     let mut rest = compared.knobs.as_slice();
     while !rest.is_empty() {
-        let fitting =
-            (1..=rest.len()).rev().find(|count| width(&table(&rest[..*count])) <= usize::from(WIDTH)).unwrap_or(1);
+        let fitting = (1..=rest.len())
+            .rev()
+            .find(|count| terminal::width(&table(&rest[..*count])) <= usize::from(WIDTH))
+            .unwrap_or(1);
         let (shown, later) = rest.split_at(fitting);
         lines.extend(terminal::lines(&table(shown)));
         lines.push(String::new());
@@ -56,10 +58,6 @@ fn felt(knob: &ComparedKnob, first: &str) -> Option<String> {
     Some(format!("{} compared with {first}, in perception thresholds of a model of people: {list}", knob.name))
 }
 
-fn width(table: &Table) -> usize {
-    terminal::lines(table).iter().map(|line| line.chars().count()).max().unwrap_or(0)
-}
-
 fn table(knobs: &[ComparedKnob]) -> Table {
     let names = knobs.iter().map(|knob| knob.name.clone());
     let header: Vec<String> = ["parameter".to_owned()].into_iter().chain(names).chain(["unit".to_owned()]).collect();
@@ -85,7 +83,7 @@ fn table(knobs: &[ComparedKnob]) -> Table {
             rows.push(row("  paper", knobs.iter().map(printed), unit));
         }
     }
-    terminal::table(header, 1..=knobs.len(), rows)
+    terminal::wide_table(header, 1..=knobs.len(), rows)
 }
 
 fn row(name: &str, cells: impl Iterator<Item = Option<String>>, unit: &str) -> Vec<String> {
@@ -131,5 +129,5 @@ fn origins(knob: &ComparedKnob) -> Vec<String> {
 
 /// A note in lines that fit the terminal, under the knob's name.
 fn paragraph(text: &str) -> Vec<String> {
-    terminal::paragraph("  -", text, WIDTH - 1)
+    terminal::paragraph(&format!("  - {text}"), WIDTH - 1)
 }
