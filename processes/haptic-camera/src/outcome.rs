@@ -8,7 +8,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use indicatif::ProgressBar;
 use operator::visible;
 
-use crate::terminal::{WIDTH, paragraph};
+use crate::terminal::paragraph;
 
 /// The panel on the screen: hidden while something else is printed, then drawn again below.
 static PANEL: Mutex<Option<ProgressBar>> = Mutex::new(None);
@@ -95,7 +95,7 @@ fn for_terminal(sentence: &str, is_terminal: bool) -> String {
     if !is_terminal || sentence.contains('\n') {
         return sentence.to_owned();
     }
-    paragraph(sentence, WIDTH).join("\n")
+    paragraph(sentence).join("\n")
 }
 
 /// Prints a result line by line, unless standard output is reserved for it as JSON.

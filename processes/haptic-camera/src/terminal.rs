@@ -32,8 +32,14 @@ pub fn table<Cells: Into<Row>>(
     right: impl IntoIterator<Item = usize>,
     rows: impl IntoIterator<Item = Cells>,
 ) -> Table {
-    let mut table = wide_table(header, right, rows);
-    if std::io::stdout().is_terminal() && width(&table) > usize::from(WIDTH) {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_header(header).add_rows(rows);
+    for index in right {
+        if let Some(column) = table.column_mut(index) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    if std::io::stdout().is_terminal() && width(&table) > WIDTH {
         table.column_iter_mut().for_each(|column| {
             column.set_padding((0, 1));
         });
@@ -42,43 +48,20 @@ pub fn table<Cells: Into<Row>>(
     table
 }
 
-/// The same, as wide as its cells.
-pub fn wide_table<Cells: Into<Row>>(
-    header: impl Into<Row>,
-    right: impl IntoIterator<Item = usize>,
-    rows: impl IntoIterator<Item = Cells>,
-) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_header(header).add_rows(rows);
-    for index in right {
-        if let Some(column) = table.column_mut(index) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    table
+/// Columns of the terminal that a table takes where nothing narrows it.
+pub fn width(table: &Table) -> u16 {
+    table.column_max_content_widths().iter().map(|content| content + 2).sum::<u16>().saturating_sub(1)
 }
 
-/// Columns of the terminal that a table takes.
-pub fn width(table: &Table) -> usize {
-    lines(table).iter().map(|line| measure_text_width(line)).max().unwrap_or(0)
-}
-
-/// A table without lines or header that takes at most so many columns.
-pub fn bare(width: u16) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(width);
-    table
-}
-
-/// A sentence in lines of at most so many columns, unless a word takes more; those after the first are indented to behind
+/// A sentence in lines that fit, unless a word does not; those after the first are indented to behind
 /// the sentence's dash, or the label that two blanks end.
-pub fn paragraph(sentence: &str, width: u16) -> Vec<String> {
+pub fn paragraph(sentence: &str) -> Vec<String> {
     let indent = indent(sentence);
     let (mark, words) = sentence.split_at_checked(indent).unwrap_or(("", sentence));
     let mut lines = Vec::new();
     let mut line = mark.to_owned();
     for (index, word) in words.split(' ').enumerate() {
-        if index > 0 && measure_text_width(&line) + 1 + measure_text_width(word) > usize::from(width) {
+        if index > 0 && measure_text_width(&line) + 1 + measure_text_width(word) > usize::from(WIDTH) {
             lines.push(std::mem::replace(&mut line, " ".repeat(indent)));
         } else if index > 0 {
             line.push(' ');
