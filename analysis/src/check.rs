@@ -6,7 +6,7 @@ use dynamics::{Axis, Direction, Model, Motion};
 use identification::checks::{Breakaway, DetentCount, FreeTravel, breakaways, count_detents, free_travel};
 use identification::statistics::{MEDIAN_MAGNITUDE, median, student_95};
 use loaded_capture::LoadedCapture;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::{AnalysisError, title};
 
@@ -25,26 +25,57 @@ pub struct Shown {
     /// The capture.
     pub capture: String,
     /// Detents counted, if the capture turns far enough both ways.
-    detents: Option<DetentCount>,
+    pub detents: Option<DetentCount>,
+    /// Why they cannot be counted.
     #[serde(skip_serializing_if = "Option::is_none")]
-    no_detents: Option<String>,
+    pub no_detents: Option<String>,
     /// Torque at which the knob broke away in the negative direction, a magnitude.
-    static_negative: Option<Threshold>,
-    static_positive: Option<Threshold>,
+    pub static_negative: Option<Threshold>,
+    /// The same in the positive direction.
+    pub static_positive: Option<Threshold>,
     /// Stretches in which the knob turned freely until it met what is behind its lost motion.
     free_travel: Vec<FreeTravel>,
+    /// Why breakaways tell no torque.
     #[serde(skip_serializing_if = "Option::is_none")]
-    no_static: Option<String>,
+    pub no_static: Option<LostMotionError>,
 }
 
 /// The torque at which the knob breaks away in one direction.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Threshold {
+pub struct Threshold {
     /// Median magnitude, mNm; without the model's detents, if there is a model.
     pub(crate) torque_mnm: f64,
     /// Its 95 % interval from the scatter; `None` for a single breakaway.
     pub(crate) ci95_mnm: Option<[f64; 2]>,
+    /// Breakaways in that direction.
+    pub times: usize,
+}
+
+/// Why breakaways do not tell the torque at which a knob breaks away.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+#[error(
+    "static_negative and static_positive are not identifiable: the knob turned freely, {} and for up to {}, before it \
+     met any torque, and the start of motion through such backlash looks like a breakaway; remove the backlash, or run \
+     `diagnose`",
+    if *times == 1 { "once".to_owned() } else { format!("{times} times") },
+    match axis {
+        Axis::Rotary => format!("{:.2}° ({longest:.3} rad)", longest.to_degrees()),
+        Axis::Linear => format!("{longest:.3} mm"),
+    }
+)]
+pub struct LostMotionError {
+    /// How often it turned freely.
     times: usize,
+    /// The longest way of these, rad or mm.
+    longest: f64,
+    axis: Axis,
+}
+
+/// As its sentence.
+impl Serialize for LostMotionError {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
 }
 
 /// A quantity by its check and by the model.
@@ -112,25 +143,6 @@ impl Shown {
             no_static: None,
         })
     }
-
-    /// In a line, for an operator.
-    #[must_use]
-    pub fn in_words(&self, axis: Axis) -> String {
-        let mut words: Vec<String> = self.no_detents.iter().cloned().collect();
-        words.extend(self.detents.as_ref().map(|count| {
-            let way = match axis {
-                Axis::Rotary => format!("{:.0}°", count.turned_rad.to_degrees()),
-                Axis::Linear => way_in_words(axis, count.turned_rad),
-            };
-            format!("{} detents in {way}", count.detents)
-        }));
-        for (threshold, direction) in [(&self.static_negative, "negative"), (&self.static_positive, "positive")] {
-            let times = threshold.as_ref().map(|threshold| times_in_words(threshold.times));
-            words.extend(times.map(|times| format!("broke away {times} in the {direction} direction")));
-        }
-        words.extend(self.no_static.clone());
-        words.join("; ")
-    }
 }
 
 impl Check {
@@ -149,30 +161,12 @@ fn withhold_breakaways(axis: Axis, captures: &mut [Shown]) {
     if ways.is_empty() {
         return;
     }
-    let longest_rad = ways.iter().copied().fold(0.0, f64::max);
-    let reason = format!(
-        "static_negative and static_positive are not identifiable: the knob turned freely, {} and for up to {}, \
-         before it met any torque, and the start of motion through such backlash looks like a breakaway; remove the \
-         backlash, or run `diagnose`",
-        times_in_words(ways.len()),
-        way_in_words(axis, longest_rad)
-    );
+    let longest = ways.iter().copied().fold(0.0, f64::max);
+    let reason = LostMotionError { times: ways.len(), longest, axis };
     for shown in captures {
         (shown.static_negative, shown.static_positive) = (None, None);
-        shown.no_static = Some(reason.clone());
+        shown.no_static = Some(reason);
     }
-}
-
-/// A way as it is read: an angle in degrees too.
-fn way_in_words(axis: Axis, way_rad: f64) -> String {
-    match axis {
-        Axis::Rotary => format!("{:.2}° ({way_rad:.3} rad)", way_rad.to_degrees()),
-        Axis::Linear => format!("{way_rad:.3} mm"),
-    }
-}
-
-fn times_in_words(times: usize) -> String {
-    if times == 1 { "once".to_owned() } else { format!("{times} times") }
 }
 
 fn agreement(axis: Axis, captures: &[Shown], model: Option<&Model>) -> Vec<CheckedQuantity> {

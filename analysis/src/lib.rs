@@ -21,7 +21,7 @@ mod simulation;
 mod studies;
 
 pub use calibration::CalibrationKind;
-pub use check::{Check, CheckedQuantity, Shown};
+pub use check::{Check, CheckedQuantity, LostMotionError, Shown, Threshold};
 pub use comparison::Comparing;
 pub use diagnosis::{DiagnosisResult, diagnose, diagnose_within, diagnosed_model, refuse_drawn};
 pub use error::AnalysisError;

@@ -81,7 +81,7 @@ impl RigCheck {
             } else {
                 "this machine cannot hold the rate;".to_owned()
             };
-            amiss.push(format!("{missed_ticks} of {ticks} ticks were missed: {cause} try a lower --rate-hz"));
+            amiss.push(format!("{missed_ticks} of {ticks} ticks were missed: {cause} try a lower rate"));
         }
         if capture.unmeasured_samples as f64 > MISSED_SHARE * ticks {
             let stale = capture.unmeasured_samples;

@@ -32,7 +32,7 @@ struct Unit {
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// Neither a figure nor limits.
-    #[error("no figure to study; name one, as in --figure collapse_force, or give limits with --spec")]
+    #[error("there is no figure to study; name one, such as collapse_force, or give a specification that limits some")]
     NoFigure,
     /// A name that is none of a figure.
     #[error("`{}` is not a figure; known are {}", .0, kinds().map(|kind| kind.name).collect::<Vec<_>>().join(", "))]
@@ -60,7 +60,9 @@ pub enum StudyError {
     )]
     Unlabelled,
     /// Other parts for each operator in a crossed study.
-    #[error("the operators did not measure the same parts; give --nested if each measured different parts")]
+    #[error(
+        "the operators did not measure the same parts, as a crossed study needs; if each measured parts of their own, make it a nested one"
+    )]
     OtherParts,
     /// Too few values of a figure for its capability.
     #[error("{0}: {1}")]

@@ -103,8 +103,8 @@ pub enum ArchiveError {
     },
     /// The table of a tester, which is none that is known.
     #[error(
-        "{} is not a known table: it has {columns}; name them, as in --columns travel=NAME,force=NAME --units \
-         travel=mm,force=gf",
+        "{} is not a known table: it has {columns}; name its columns, as in travel=NAME,force=NAME, and their units, as \
+         in travel=mm,force=gf",
         path.display()
     )]
     UnknownTable {
@@ -124,7 +124,7 @@ pub enum ArchiveError {
     /// The file of a tester has no time, which a capture must have.
     #[error(
         "{} has no time, so it is a curve and not a capture: only `fit`, `compare`, `sheet` and `judge` accept it; \
-         if it has a time, name its column, as in --columns angle=NAME,torque=NAME,time=NAME",
+         if it has a time, name its columns, as in angle=NAME,torque=NAME,time=NAME",
         path.display()
     )]
     NoTime {
@@ -213,7 +213,7 @@ pub enum ArchiveError {
         path: PathBuf,
     },
     /// Output and input are one file.
-    #[error("{} is both the broken archive and the output; give --out another name", path.display())]
+    #[error("{} is both the broken archive and the output; choose another name for the output", path.display())]
     SameFile {
         /// The file.
         path: PathBuf,

@@ -88,10 +88,9 @@ impl std::fmt::Display for RecoverySummary {
         match (self.unchecked_samples, self.unchecked) {
             (0, _) => {}
             (count, Unchecked::Keep) => write!(f, "; {count} of the samples come from a truncated chunk")?,
-            (count, Unchecked::LeaveOut) => write!(
-                f,
-                "; a truncated chunk has {count} more samples, but no checksum covers them: --keep-unchecked keeps them"
-            )?,
+            (count, Unchecked::LeaveOut) => {
+                write!(f, "; a truncated chunk has {count} more samples, but no checksum covers them")?;
+            }
         }
         if self.damaged_chunks > 0 {
             write!(f, "; {} damaged chunks left out", self.damaged_chunks)?;

@@ -210,8 +210,8 @@ fn an_ambiguous_channel_is_refused_with_a_list_of_the_channels() {
     let unit = refused(&file, Some(&choice("angle=Winkel,torque=M", "")));
     assert_eq!(
         unit,
-        "FILE: the unit of `Winkel` is unknown (`Grad` is not a unit of angle; known are rad, mrad, deg, °, turn); give it, as \
-         in --columns angle=NAME,… --units angle=rad"
+        "FILE: the unit of `Winkel` is unknown (`Grad` is not a unit of angle; known are rad, mrad, deg, °, turn); name \
+         the columns, as in angle=NAME,…, and their units, as in angle=rad"
     );
     let chosen = choice("angle=Winkel,torque=M", "angle=deg,torque=Nm");
     assert_eq!(load(folder.path(), &file, Some(&chosen)).unwrap().len(), 300);

@@ -117,8 +117,8 @@ fn a_table_of_none_of_these_says_which_columns_it_has_and_what_to_do() {
     let error = read("other.csv", &table("Weg,Kraft\n", |n| format!("{n},{n}")), None).unwrap_err();
     assert_eq!(
         error,
-        "FILE is not a known table: it has the columns `Weg`, `Kraft`; name them, as in \
-         --columns travel=NAME,force=NAME --units travel=mm,force=gf"
+        "FILE is not a known table: it has the columns `Weg`, `Kraft`; name its columns, as in \
+         travel=NAME,force=NAME, and their units, as in travel=mm,force=gf"
     );
     let text = table("force,displacement\n", |n| if n == 7.0 { "x,1".to_owned() } else { format!("{n},{n}") });
     assert_eq!(read("switch.csv", &text, None).unwrap_err(), "FILE: line 9: `x` in the column force is not a number");

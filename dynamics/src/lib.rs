@@ -29,6 +29,7 @@ mod calibration;
 mod composition;
 mod coupling;
 mod effect;
+mod effect_kind;
 pub mod effects;
 pub mod excitation;
 mod hypothesis;
@@ -51,10 +52,10 @@ pub use bristles::Bristles;
 pub use calibration::{Calibration, CalibrationError, CoggingHarmonic};
 pub use composition::{Composition, CompositionError, CompositionNote, Parts, Source, composition_notes};
 pub use coupling::Coupling;
-pub(crate) use effect::spaced_unit;
-pub use effect::{
-    Coordinate, Direction, Effect, EffectKind, MAX_PARAMETERS, Minimum, ParameterKind, Part, Regressors, StickLimits,
-    TableUse,
+pub use effect::Effect;
+pub(crate) use effect_kind::spaced_unit;
+pub use effect_kind::{
+    Coordinate, Direction, EffectKind, MAX_PARAMETERS, Minimum, ParameterKind, Part, Regressors, StickLimits, TableUse,
 };
 pub use excitation::{Drive, Excitation, Setpoint};
 pub use hypothesis::{Hypothesis, Scene, Search};

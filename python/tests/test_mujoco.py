@@ -219,4 +219,4 @@ def test_a_fit_is_written_into_a_joint(
         assert "kept as it is" in robot.read_text()
     with pytest.raises(subprocess.CalledProcessError) as failed:
         command_line("fit", captures[0].source, "--into", robot)
-    assert "it has 2 joints; name one of its joints with --joint: volume, tilt" in failed.value.stderr
+    assert "it has 2 joints; name one of its joints: volume, tilt (--joint)" in failed.value.stderr

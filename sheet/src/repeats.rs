@@ -84,14 +84,14 @@ pub enum CurveError {
     NoPress,
     /// A control was turned too fast for static figures.
     #[error(
-        "the control was turned at {speed_rad_s:.1} rad/s, too fast for static figures; capture it with `--sweep slow-turn`"
+        "the control was turned at {speed_rad_s:.1} rad/s, too fast for static figures; capture the sweep `slow-turn`"
     )]
     TooFast {
         /// Speed that a tenth of the rows pass, rad/s.
         speed_rad_s: f64,
     },
     /// A control was turned one way only.
-    #[error("no angle was passed in both directions; turn the control there and back, as `--sweep slow-turn` does")]
+    #[error("no angle was passed in both directions; turn the control there and back, as the sweep `slow-turn` does")]
     OneWay,
 }
 

@@ -19,7 +19,7 @@ pub enum IntoMjcfError {
     #[error("its root is <{0}>; give an MJCF file, whose root is <mujoco>")]
     NotMjcf(String),
     /// There are several joints, and none was named, or none has the name.
-    #[error("{problem}; name one of its joints with --joint: {known}")]
+    #[error("{problem}; name one of its joints: {known}")]
     Joint {
         /// What is wrong.
         problem: String,

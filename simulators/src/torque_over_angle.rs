@@ -19,7 +19,7 @@ pub enum TableSpan {
 #[derive(Debug, thiserror::Error)]
 pub enum TabulationError {
     /// Several periods, or none.
-    #[error("{0} has no detents of a single period; use --over turn")]
+    #[error("{0} has no detents of a single period; tabulate a turn")]
     NoPeriod(String),
     /// Friction and inertia alone.
     #[error("{0} has no torque that depends on the angle, so there is nothing to tabulate")]

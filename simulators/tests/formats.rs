@@ -69,8 +69,8 @@ fn a_file_without_the_joint_is_refused_in_one_sentence() {
         ("no xml", None, "it is not XML"),
         ("<robot/>", None, "its root is <robot>"),
         ("<mujoco/>", None, "it has 0 joints"),
-        (two.as_str(), None, "it has 2 joints; name one of its joints with --joint: volume, tilt"),
-        (ROBOT, Some("tilt"), "it has no joint 'tilt'; name one of its joints with --joint: volume"),
+        (two.as_str(), None, "it has 2 joints; name one of its joints: volume, tilt"),
+        (ROBOT, Some("tilt"), "it has no joint 'tilt'; name one of its joints: volume"),
     ];
     for (file, name, words) in refused {
         let error = into_mjcf(file, name, &model).unwrap_err().to_string();

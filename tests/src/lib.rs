@@ -7,6 +7,7 @@ pub mod browser;
 pub mod ethercat;
 pub mod guide;
 pub mod live_view;
+pub mod other_user;
 pub mod rotary_plant;
 mod stopped_thread;
 pub mod trials;
@@ -44,6 +45,12 @@ impl Bench {
     #[must_use]
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
+    }
+
+    /// What of its rig lies in shared memory.
+    #[must_use]
+    pub fn shared_memory(&self) -> Vec<PathBuf> {
+        shared_types::clean_up::files_in_shared_memory(&self.path("rig"))
     }
 
     /// The command `haptic-camera ARGUMENTS` on this bench's rig.

@@ -73,7 +73,7 @@ const MEANINGS: [(i32, &str); 32] = [
         HOLDS_ON_TIMEOUT,
         "its servo.timeout_mode is not 0 and cannot be set: it would not let go of the torque; set it with tview",
     ),
-    (SLOW, "answers take too long; give a slower --rate-hz, a faster adapter, or the machine less to do"),
+    (SLOW, "answers take too long; give a lower rate, a faster adapter, or the machine less to do"),
     (OTHER_REGISTERS, "its firmware has another register map than this program knows (5); update the one or the other"),
     (
         NO_CHANNEL,

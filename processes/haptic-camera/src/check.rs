@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use analysis::{Check, CheckedQuantity, Shown};
+use analysis::{Check, CheckedQuantity, Shown, Threshold};
 use clap::Args;
 use comfy_table::Table;
+use dynamics::Axis;
 
 use crate::command_line::ColumnOptions;
 use crate::load;
@@ -42,9 +43,26 @@ pub fn run(options: &CheckOptions) -> anyhow::Result<()> {
     } else {
         axis.words(&table(&check.agreement).to_string()).into_owned()
     };
-    let shown = |shown: &Shown| format!("- {}: {}", shown.capture, axis.words(&shown.in_words(axis)));
+    let shown = |shown: &Shown| format!("- {}: {}", shown.capture, axis.words(&words(axis, shown)));
     show(std::iter::once(found).chain(check.captures.iter().map(shown)));
     write_json(axis, &options.json, &check)
+}
+
+/// What a capture shows, in a line.
+fn words(axis: Axis, shown: &Shown) -> String {
+    let mut words: Vec<String> = shown.no_detents.iter().cloned().collect();
+    words.extend(shown.detents.as_ref().map(|count| match axis {
+        Axis::Rotary => format!("{} detents in {:.0}°", count.detents, count.turned_rad.to_degrees()),
+        Axis::Linear => format!("{} detents in {:.3} mm", count.detents, count.turned_rad),
+    }));
+    for (threshold, direction) in [(&shown.static_negative, "negative"), (&shown.static_positive, "positive")] {
+        words.extend(threshold.as_ref().map(|Threshold { times, .. }| {
+            let times = if *times == 1 { "once".to_owned() } else { format!("{times} times") };
+            format!("broke away {times} in the {direction} direction")
+        }));
+    }
+    words.extend(shown.no_static.map(|reason| reason.to_string()));
+    words.join("; ")
 }
 
 fn table(agreement: &[CheckedQuantity]) -> Table {

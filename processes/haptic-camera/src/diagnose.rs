@@ -51,29 +51,27 @@ pub fn run(options: &DiagnoseOptions) -> anyhow::Result<()> {
     let found = with_progress(|progress| Ok(analysis::diagnose(&train, heldout.as_ref(), model, Some(progress))?))?;
     show_on(train.capture.axis, diagnosis_text::lines(&found));
     write_if_asked(&options.out, kind::DIAGNOSED_MODEL, || diagnosed_model(&found, &train).to_toml())?;
-    write_results(&options.results, &found, &train, heldout.as_ref())?;
-    if let Some(path) = &options.recording {
-        record(path, &found, &train, heldout.as_ref())?;
-    }
-    Ok(())
+    write_results(&options.results, &options.recording, &found, &train, heldout.as_ref())
 }
 
-/// Writes a diagnosis as JSON and as a page, what of them was asked for.
+/// Writes a diagnosis as JSON, as a page and as a rerun file, what of them was asked for.
 pub fn write_results(
     results: &ResultFiles,
+    recording: &Option<PathBuf>,
     found: &Diagnosis,
     train: &LoadedCapture,
     heldout: Option<&LoadedCapture>,
 ) -> anyhow::Result<()> {
     let page = DiagnosisPage { found, train: analysis::facts(train), heldout: heldout.map(analysis::facts) };
     let result = |figures| DiagnosisResult::of(&page, figures);
-    results.write(train.capture.axis, || report::diagnosis_page_with_numbers(&page), result)
+    results.write(train.capture.axis, || report::diagnosis_page_with_numbers(&page), result)?;
+    recording.as_ref().map_or(Ok(()), |path| record(path, found, train, heldout))
 }
 
 /// Writes a diagnosis as a rerun file, which the viewer's program makes: this one does without rerun.
 ///
 /// Without a held-out capture its rows are stretches of the training capture.
-pub fn record(
+fn record(
     path: &Path,
     found: &Diagnosis,
     train: &LoadedCapture,

@@ -6,7 +6,7 @@ use comfy_table::{ContentArrangement, Table};
 use dynamics::effects;
 use identification::diagnosis::{Characteristic, Diagnosis, FORWARD_WINDOW_S, Location, Step, Value, Verdict};
 
-use crate::terminal::{self, WIDTH};
+use crate::terminal::{self, WIDTH, paragraph};
 
 /// Coordinates that are named.
 const NAMED: usize = 3;
@@ -22,19 +22,20 @@ pub fn is_floor_doubtful(found: &Diagnosis) -> bool {
 
 /// The diagnosis line by line, none wider than 80 columns.
 pub fn lines(found: &Diagnosis) -> Vec<String> {
-    let mut lines = paragraph("", &found.summary);
-    let mut say = |text: &str| lines.extend(paragraph("", text));
+    let mut lines = vec![found.summary.clone()];
     if is_floor_doubtful(found) {
-        say("The residual is below the noise floor, so the floor is wrong: it is measured while the knob rests, and \
-             more than noise acted there. Effects below that floor are not found: judge by the residual torque.");
+        lines.push(
+            "The residual is below the noise floor, so the floor is wrong: it is measured while the knob rests, and \
+             more than noise acted there. Effects below that floor are not found: judge by the residual torque."
+                .to_owned(),
+        );
     }
-    if let Some(words) = goes_with(&found.locations) {
-        say(&format!("The first model's residual depends on {words}."));
-    }
+    let first = goes_with(&found.locations);
+    lines.extend(first.map(|words| format!("The first model's residual depends on {words}.")));
     let decimals = found.decimals();
     if !found.steps.is_empty() {
-        say("");
-        say(&format!(
+        lines.push(String::new());
+        lines.push(format!(
             "RMS residual of the held-out capture, mNm; noise alone leaves {:.decimals$}. Null: an effect without meaning \
              and with as many parameters.",
             found.noise_floor_rms
@@ -45,19 +46,19 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
         let detented = found.steps.iter().filter(|step| !step.detents.is_empty());
         lines.extend(detented.flat_map(|step| terminal::lines(&detents(step))));
         let tied = found.steps.iter().filter(|step| !step.ties.is_empty());
-        lines.extend(tied.flat_map(|step| {
+        lines.extend(tied.map(|step| {
             let rivals = step.ties.join(" or ");
-            paragraph("", &format!("A tie: the captures cannot discriminate between {} and {rivals}.", step.effect))
+            format!("A tie: the captures cannot discriminate between {} and {rivals}.", step.effect)
         }));
     }
     let measured = found.characteristics.iter().map(|characteristic| measured(characteristic, decimals));
-    lines.extend(measured.chain(forward(found)).flat_map(|text| paragraph("", &text)));
+    lines.extend(measured.chain(forward(found)));
     match (found.verdict, goes_with(&found.where_after)) {
         (Verdict::None, _) | (Verdict::Effects, None) => {}
         (Verdict::OutsideLibrary, None) => {
-            lines.extend(paragraph("", "The residual depends on no single quantity beyond chance."));
+            lines.push("The residual depends on no single quantity beyond chance.".to_owned());
         }
-        (_, Some(words)) => lines.extend(paragraph("", &format!("The remaining residual depends on {words}."))),
+        (_, Some(words)) => lines.push(format!("The remaining residual depends on {words}.")),
     }
     if !found.partial.is_empty() {
         let of = match found.verdict {
@@ -66,18 +67,18 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
             }
             Verdict::None | Verdict::Effects => "Effects that would explain too little of the residual to be named:",
         };
-        lines.extend(paragraph("", of));
+        lines.push(of.to_owned());
         for partial in &found.partial {
             let why_not = partial.disqualified.as_ref().map_or_else(String::new, |reason| format!(" ({reason})"));
-            lines.extend(paragraph("-", &format!("{} {:.0} %{why_not}", partial.effect, partial.explains_percent)));
+            lines.push(format!("- {} {:.0} %{why_not}", partial.effect, partial.explains_percent));
         }
     }
     if let Some(next) = &found.next_experiment {
         let [one, other] = &next.tells_apart;
-        lines.extend(paragraph("", &format!("To discriminate between {one} and {other}: {}.", next.reason)));
+        lines.push(format!("To discriminate between {one} and {other}: {}.", next.reason));
     }
-    lines.extend(found.notes.iter().flat_map(|note| paragraph("-", note)));
-    lines
+    lines.extend(found.notes.iter().map(|note| format!("- {note}")));
+    lines.iter().flat_map(|line| paragraph(line)).collect()
 }
 
 /// What was measured over a coordinate without having a name.
@@ -170,8 +171,7 @@ fn detents(step: &Step) -> Table {
 
 /// Decimals that show two or three digits of an interval's width.
 fn decimals(width: f64) -> usize {
-    let order = width.abs().max(1e-9).log10().floor();
-    (0..12).take_while(|decimals| f64::from(*decimals) + order < 1.0).count()
+    terminal::decimals(width.abs().max(1e-9), 2.0, [0.0, 12.0])
 }
 
 fn table<const COLUMNS: usize>(
@@ -182,8 +182,4 @@ fn table<const COLUMNS: usize>(
     let mut table = terminal::table(header, right, rows);
     table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
     table
-}
-
-fn paragraph(mark: &str, text: &str) -> Vec<String> {
-    terminal::paragraph(mark, text, WIDTH)
 }

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use comfy_table::{ContentArrangement, Table, presets};
 use nix::sys::resource::{Resource, getrlimit};
 use nix::unistd::geteuid;
 use rt_loop::plan::Plan;
@@ -14,7 +15,7 @@ use shared_types::shared_memory::NEEDED_BYTES;
 
 use crate::outcome::{Outcome, say};
 use crate::supervision::program_path;
-use crate::terminal::{self, WIDTH};
+use crate::terminal::WIDTH;
 
 #[derive(Debug, Args)]
 pub struct DoctorOptions {
@@ -41,7 +42,8 @@ pub fn run(options: &DoctorOptions) -> anyhow::Result<Outcome> {
     if let Some(path) = &options.rig {
         findings.extend(rig_file(path));
     }
-    let mut table = terminal::bare(WIDTH);
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
     for (subject, finding) in &findings {
         let (Ok(found) | Err(found)) = finding;
         table.add_row([if finding.is_ok() { "ok" } else { "!!" }, subject, found]);

@@ -11,10 +11,11 @@ use dynamics::Model;
 use identification::{Agreement, Average, Fit, MeasuredCurve, Parameter, PreparationMethod};
 use loaded_capture::LoadedCapture;
 use report::{AveragePage, true_value};
+use simulators::IntoMjcfError;
 
 use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outcome::say;
+use crate::outcome::{say, with_options};
 use crate::outputs::{ResultFiles, kind, show_on, write, write_if_asked};
 use crate::terminal::{by_reason, digits, interval, table};
 
@@ -103,6 +104,10 @@ fn write_into(options: &FitOptions, model: &Model) -> anyhow::Result<()> {
     let Some(path) = &options.into else { return Ok(()) };
     let file = foreign_files::read_text(path).with_context(|| format!("{} cannot be read", path.display()))?;
     let changed = simulators::into_mjcf(&file, options.joint.as_deref(), model)
+        .map_err(|error| match error {
+            IntoMjcfError::Joint { .. } => with_options(error, "--joint"),
+            _ => error.into(),
+        })
         .with_context(|| format!("the fitted parameters cannot be written into {}", path.display()))?;
     write(path, Replace::Anything, &changed)?;
     say(format!(

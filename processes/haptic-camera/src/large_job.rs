@@ -32,9 +32,8 @@ pub fn admit(ticks: u64, rate_hz: f64, archive: &Path) -> anyhow::Result<()> {
     if ticks < LARGE {
         return Ok(());
     }
-    let duration_s = ticks as f64 / rate_hz;
     let archived = ticks as f64 * ARCHIVED_BYTES;
-    let analysed = archived * memory::OF_FILE;
+    let duration_s = ticks as f64 / rate_hz;
     let folder = folder_of(archive);
     let disk = nix::sys::statvfs::statvfs(folder).with_context(|| format!("{} cannot be used", folder.display()))?;
     let on_disk = (disk.blocks_available() as f64) * disk.fragment_size() as f64;
@@ -49,5 +48,5 @@ pub fn admit(ticks: u64, rate_hz: f64, archive: &Path) -> anyhow::Result<()> {
         Ok(())
     };
     fits(&format!("the disk of {}", folder.display()), archived, on_disk)?;
-    memory::available().map_or(Ok(()), |free| fits("memory for its fit", analysed, free))
+    memory::available().map_or(Ok(()), |free| fits("memory for its fit", archived * memory::OF_FILE, free))
 }

@@ -90,7 +90,7 @@ fn main() -> ExitCode {
     let outcome = result.unwrap_or_else(|error| {
         tracing::debug!("{error:?}");
         if !error.is::<supervision::LoopSaidWhy>() {
-            outcome::tell_error(&error);
+            outcome::remark(format!("error: {error:#}"));
         }
         if error.is::<outcome::UsageError>() { Outcome::WrongUsage } else { Outcome::Failed }
     });

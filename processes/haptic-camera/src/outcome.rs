@@ -1,13 +1,14 @@
 //! How a command ended, as an exit status.
 
-use std::io::{Error, Write as _};
+use std::io::{Error, IsTerminal as _, Write as _};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use indicatif::ProgressBar;
-pub use operator::tell_error;
 use operator::visible;
+
+use crate::terminal::paragraph;
 
 /// The panel on the screen: hidden while something else is printed, then drawn again below.
 static PANEL: Mutex<Option<ProgressBar>> = Mutex::new(None);
@@ -63,12 +64,17 @@ impl From<Outcome> for ExitCode {
 #[error(transparent)]
 pub struct UsageError(pub anyhow::Error);
 
+/// A library's error, with the options that its advice is about.
+pub fn with_options(error: impl std::error::Error + Send + Sync + 'static, options: &str) -> anyhow::Error {
+    anyhow::anyhow!("{error} ({options})")
+}
+
 /// Whether standard output is reserved for the result as JSON.
 pub fn is_output_json() -> bool {
     OUTPUT_IS_JSON.load(Ordering::Relaxed)
 }
 
-/// Prints lines for the operator on standard output, without trailing blanks.
+/// Prints a sentence, or lines that are laid out already, for the operator on standard output, without trailing blanks.
 ///
 /// An error is kept for [`Outcome::if_output_was_taken`].
 pub fn say(lines: impl std::fmt::Display) {
@@ -76,11 +82,20 @@ pub fn say(lines: impl std::fmt::Display) {
     let lines = visible(&lines);
     let trimmed = lines.split('\n').map(str::trim_end).collect::<Vec<_>>().join("\n");
     if is_output_json() {
+        let text = for_terminal(&trimmed, std::io::stderr().is_terminal());
         // A closed terminal is no reason to stop.
-        with_panel_suspended(|| drop(writeln!(std::io::stderr(), "{trimmed}")));
+        with_panel_suspended(|| drop(writeln!(std::io::stderr(), "{text}")));
     } else {
-        print(&trimmed);
+        print(&for_terminal(&trimmed, std::io::stdout().is_terminal()));
     }
+}
+
+/// A sentence in lines that fit a terminal, where it goes to one; a file and another program take it as a single line.
+fn for_terminal(sentence: &str, is_terminal: bool) -> String {
+    if !is_terminal || sentence.contains('\n') {
+        return sentence.to_owned();
+    }
+    paragraph(sentence).join("\n")
 }
 
 /// Prints a result line by line, unless standard output is reserved for it as JSON.
@@ -97,7 +112,9 @@ pub fn print(text: &str) {
 
 /// Prints a remark for the operator on standard error.
 pub fn remark(line: impl std::fmt::Display) {
-    with_panel_suspended(|| operator::remark(line.to_string()));
+    let line = for_terminal(&operator::one_line(&line.to_string()), std::io::stderr().is_terminal());
+    // A closed terminal is no reason to stop.
+    with_panel_suspended(|| drop(writeln!(std::io::stderr(), "{line}")));
 }
 
 fn note_output(printed: std::io::Result<()>) {

@@ -35,6 +35,9 @@ pub fn run(options: &RecoverOptions) -> anyhow::Result<Outcome> {
     }
     let summary = archive::recover(parts.first().unwrap_or(broken), out, unchecked)?;
     say(format!("{}: {summary}", out.display()));
+    if summary.unchecked_samples > 0 && !keep_unchecked {
+        say("--keep-unchecked keeps the samples that no checksum covers");
+    }
     Ok(if summary.lossy { Outcome::DataLost } else { Outcome::Done })
 }
 

@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use analysis::{Study, load_specification};
+use analysis::{Study, StudyError, load_specification};
 use clap::Args;
 use comfy_table::Table;
 use dynamics::Axis;
 use sheet::{Capability, Design, Gauge, Index, Specification};
 
 use crate::command_line::ColumnOptions;
-use crate::outcome::show;
+use crate::outcome::{show, with_options};
 use crate::outputs::{kind, write_if_asked, write_json};
 use crate::terminal;
 
@@ -73,17 +73,26 @@ pub fn run_capability(options: &CapabilityOptions) -> anyhow::Result<()> {
 pub fn run_gauge(options: &GaugeOptions) -> anyhow::Result<()> {
     let specification = options.spec.as_deref().map(load_specification).transpose()?;
     let design = if options.nested { Design::Nested } else { Design::Crossed };
-    let results = study(&options.study, specification.as_ref())?.gauge(design)?;
-    show(results.iter().map(|(name, gauge)| words(name, gauge)));
+    let results = study(&options.study, specification.as_ref())?.gauge(design).map_err(with_its_options)?;
+    show(results.iter().flat_map(|(name, gauge)| words(name, gauge)));
     write_json(Axis::default(), &options.study.json, &results)
 }
 
 fn study(options: &StudyOptions, specification: Option<&Specification>) -> anyhow::Result<Study> {
     let figure = options.figure.as_deref();
-    Ok(match &options.values {
-        Some(table) => Study::of_table(table, figure, specification)?,
-        None => Study::of_captures(&options.captures, options.columns.choice()?.as_ref(), figure, specification)?,
-    })
+    let study = match &options.values {
+        Some(table) => Study::of_table(table, figure, specification),
+        None => Study::of_captures(&options.captures, options.columns.choice()?.as_ref(), figure, specification),
+    };
+    study.map_err(with_its_options)
+}
+
+fn with_its_options(error: StudyError) -> anyhow::Error {
+    match error {
+        StudyError::NoFigure => with_options(error, "--figure, --spec"),
+        StudyError::OtherParts => with_options(error, "--nested"),
+        _ => error.into(),
+    }
 }
 
 fn table(results: &BTreeMap<&'static str, Capability>) -> Table {
@@ -101,7 +110,7 @@ const MAY_DO_PERCENT: f64 = 30.0;
 /// Fewest categories of parts that a gauge should tell apart (AIAG).
 const CATEGORIES: u64 = 5;
 
-fn words(name: &str, gauge: &Gauge) -> String {
+fn words(name: &str, gauge: &Gauge) -> [String; 2] {
     let Gauge { parts, operators, trials, grr_percent, grr_tolerance_percent, ndc, .. } = gauge;
     let deviation = |variance: f64| format!("{:.3e}", variance.sqrt());
     let band = match grr_percent {
@@ -116,12 +125,15 @@ fn words(name: &str, gauge: &Gauge) -> String {
     };
     let tolerance =
         grr_tolerance_percent.map_or_else(String::new, |percent| format!(", {percent:.1} % of the tolerance"));
-    format!(
-        "{name}: %GRR {grr_percent:.1} %{tolerance}: {band}; {categories}\n  \
-         {operators} operators, {parts} parts, {trials} trials; deviations: repeatability {}, operators {}, interaction {}, parts {}",
-        deviation(gauge.repeatability_variance),
-        deviation(gauge.operator_variance),
-        deviation(gauge.interaction_variance),
-        deviation(gauge.part_variance)
-    )
+    [
+        format!("{name}: %GRR {grr_percent:.1} %{tolerance}: {band}; {categories}"),
+        format!(
+            "  {operators} operators, {parts} parts, {trials} trials; deviations: repeatability {}, operators {}, \
+             interaction {}, parts {}",
+            deviation(gauge.repeatability_variance),
+            deviation(gauge.operator_variance),
+            deviation(gauge.interaction_variance),
+            deviation(gauge.part_variance)
+        ),
+    ]
 }

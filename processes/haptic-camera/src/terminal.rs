@@ -3,6 +3,7 @@
 use std::io::IsTerminal as _;
 
 use comfy_table::{CellAlignment, ContentArrangement, Row, Table, presets};
+use console::measure_text_width;
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// Columns of the terminal.
@@ -24,7 +25,8 @@ pub fn bar(steps: Option<u64>, template: &str) -> ProgressBar {
     steps.map_or_else(ProgressBar::no_length, ProgressBar::new).with_style(style)
 }
 
-/// A table without lines of these rows under a header, with the columns at these places aligned to the right.
+/// A table without lines of these rows under a header, with the columns at these places aligned to the right; on a terminal
+/// none is too wide.
 pub fn table<Cells: Into<Row>>(
     header: impl Into<Row>,
     right: impl IntoIterator<Item = usize>,
@@ -37,27 +39,49 @@ pub fn table<Cells: Into<Row>>(
             column.set_cell_alignment(CellAlignment::Right);
         }
     }
-    table
-}
-
-/// A table without lines or header that takes at most so many columns.
-pub fn bare(width: u16) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(width);
-    table
-}
-
-/// A sentence behind a mark, in lines of at most so many columns; those after the first are indented by as much as the mark takes.
-pub fn paragraph(mark: &str, text: &str, width: u16) -> Vec<String> {
-    let mut table = bare(width);
-    table.add_row([mark, text].into_iter().skip(usize::from(mark.is_empty())));
-    table.column_iter_mut().for_each(|column| {
-        column.set_padding((0, 0));
-    });
-    if !mark.is_empty() {
-        table.column_mut(0).map(|column| column.set_padding((0, 1)));
+    if std::io::stdout().is_terminal() && width(&table) > WIDTH {
+        table.column_iter_mut().for_each(|column| {
+            column.set_padding((0, 1));
+        });
+        table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
     }
-    lines(&table)
+    table
+}
+
+/// Columns of the terminal that a table takes where nothing narrows it.
+pub fn width(table: &Table) -> u16 {
+    table.column_max_content_widths().iter().map(|content| content + 2).sum::<u16>().saturating_sub(1)
+}
+
+/// A sentence in lines that fit, unless a word does not; those after the first are indented to behind
+/// the sentence's dash, or the label that two blanks end.
+pub fn paragraph(sentence: &str) -> Vec<String> {
+    let indent = indent(sentence);
+    let (mark, words) = sentence.split_at_checked(indent).unwrap_or(("", sentence));
+    let mut lines = Vec::new();
+    let mut line = mark.to_owned();
+    for (index, word) in words.split(' ').enumerate() {
+        if index > 0 && measure_text_width(&line) + 1 + measure_text_width(word) > usize::from(WIDTH) {
+            lines.push(std::mem::replace(&mut line, " ".repeat(indent)));
+        } else if index > 0 {
+            line.push(' ');
+        }
+        line += word;
+    }
+    lines.push(line);
+    lines
+}
+
+/// Longest label before a sentence, with its blanks.
+const LABEL: usize = 12;
+
+fn indent(sentence: &str) -> usize {
+    let text = sentence.trim_start();
+    let label = text.starts_with("- ").then_some(2).or_else(|| {
+        let (label, words) = text.split_once("  ")?;
+        Some(label.len() + 2 + words.len() - words.trim_start().len()).filter(|length| *length <= LABEL)
+    });
+    sentence.len() - text.len() + label.unwrap_or(0)
 }
 
 /// A table line by line, without trailing blanks.

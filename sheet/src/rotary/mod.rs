@@ -208,8 +208,8 @@ fn backlash(curve: &Curve) -> Result<Estimate, String> {
     });
     let standard_error = speed_rad_s.unwrap_or(0.0) * FREE_TRAVEL_BIN_S;
     longest.map(|value| Estimate { value, standard_error }).ok_or_else(|| {
-        "the control never turned without torque; to measure backlash, capture with `--sweep slow-turn --amplitude \
-         0.1`"
+        "the control never turned without torque; to measure backlash, capture the sweep `slow-turn` with an \
+         amplitude of 0.1 rad"
             .to_owned()
     })
 }

@@ -108,7 +108,7 @@ fn factor(place: Place<'_>, quantity: Quantity, chosen: Option<&ColumnChoice>) -
             let known = choice::factor(quantity, unit).err().map(|error| error.to_string()).unwrap_or_default();
             let known = if unit.is_empty() { "it has none".to_owned() } else { known };
             Err(format!(
-                "the unit of `{name}` is unknown ({known}); give it, as in --columns {word}=NAME,… --units {word}={}",
+                "the unit of `{name}` is unknown ({known}); name the columns, as in {word}=NAME,…, and their units, as in {word}={}",
                 quantity.unit()
             ))
         }

@@ -115,7 +115,7 @@ fn together<'f>(groups: &[Group<'f>], found: &[Option<Vec<Place<'f>>>; 4]) -> Re
         .map(|place| format!("`{}/{}`", groups[place.group].number, place.channel.name.trim()))
         .collect();
     Err(format!(
-        "several of its channels match, {}: name one, as in --columns angle=GROUP/NAME,torque=GROUP/NAME",
+        "several of its channels match, {}: name one, as in angle=GROUP/NAME,torque=GROUP/NAME",
         names.join(", ")
     ))
 }

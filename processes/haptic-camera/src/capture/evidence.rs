@@ -29,7 +29,7 @@ pub(super) fn diagnosed(
     let found = with_progress(|progress| {
         Ok(analysis::diagnose_within(options.reach, &train, Some(&heldout), None, Some(progress))?)
     })?;
-    say(format!("\n{}", found.summary));
+    ["", &found.summary].iter().for_each(say);
     Ok(found)
 }
 

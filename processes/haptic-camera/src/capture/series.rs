@@ -85,7 +85,8 @@ pub(super) fn until_named(options: &CaptureOptions, interrupted: &AtomicBool) ->
         let next = match next(&found, &made, options.request.duration_s, options.budget) {
             _ if interrupted.load(Ordering::Acquire) => None,
             Next::Experiment(experiment, [one, other]) => {
-                say(format!("\ncapture {}: to discriminate between {one} and {other}", taken.len() + 1));
+                say("");
+                say(format!("capture {}: to discriminate between {one} and {other}", taken.len() + 1));
                 Some(experiment)
             }
             end => {
@@ -202,17 +203,14 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
     say(format!("model    {}", beside("toml").display()));
     let report = options.results.report.clone().unwrap_or_else(|| beside("html"));
     let results = ResultFiles { report: Some(report.clone()), ..options.results.clone() };
-    diagnose::write_results(&results, found, &first.loaded, Some(&held_out.loaded))?;
+    diagnose::write_results(&results, &options.recording, found, &first.loaded, Some(&held_out.loaded))?;
     say(format!("report   {}", report.display()));
-    if let Some(path) = &options.recording {
-        diagnose::record(path, found, &first.loaded, Some(&held_out.loaded))?;
-        say(format!("recording  {}", path.display()));
-    }
+    options.recording.iter().for_each(|path| say(format!("recording  {}", path.display())));
     Ok(())
 }
 
 fn tell(turns: usize, Judgement { verdict, reasons, .. }: &Judgement) {
     let after = if turns == 1 { "after the first slow turn".to_owned() } else { format!("after {turns} slow turns") };
-    let reasons: String = reasons.iter().map(|reason| format!("; {reason}")).collect();
-    say(format!("{} {after}{reasons}", verdict.word()));
+    let sentence = format!("{} {after}", verdict.word());
+    say([&[sentence], reasons.as_slice()].concat().join("; "));
 }

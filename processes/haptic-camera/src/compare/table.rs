@@ -4,7 +4,7 @@ use comfy_table::Table;
 use report::{ComparedKnob, ComparedQuality, ComparedValue, Comparison};
 use sheet::perception::PerceivedDifference;
 
-use crate::terminal::{self, WIDTH, by_reason, decimals, digits};
+use crate::terminal::{self, WIDTH, by_reason, decimals, digits, paragraph};
 
 /// Digits of a value without an interval, and of one that the paper prints.
 const DIGITS: f64 = 4.0;
@@ -24,7 +24,7 @@ pub fn lines(compared: &Comparison) -> Vec<String> {
     let mut rest = compared.knobs.as_slice();
     while !rest.is_empty() {
         let fitting =
-            (1..=rest.len()).rev().find(|count| width(&table(&rest[..*count])) <= usize::from(WIDTH)).unwrap_or(1);
+            (1..=rest.len()).rev().find(|count| terminal::width(&table(&rest[..*count])) <= WIDTH).unwrap_or(1);
         let (shown, later) = rest.split_at(fitting);
         lines.extend(terminal::lines(&table(shown)));
         lines.push(String::new());
@@ -34,9 +34,9 @@ pub fn lines(compared: &Comparison) -> Vec<String> {
     lines.extend(compared.knobs.iter().flat_map(origins));
     if let Some(first) = compared.knobs.first() {
         let felt = compared.knobs.iter().filter_map(|knob| felt(knob, &first.name));
-        lines.extend(felt.flat_map(|sentence| paragraph(&sentence)));
+        lines.extend(felt.map(|sentence| format!("  - {sentence}")));
     }
-    lines
+    lines.iter().flat_map(|line| paragraph(line)).collect()
 }
 
 /// What a hand would feel of the difference to the first knob, strongest first.
@@ -54,10 +54,6 @@ fn felt(knob: &ComparedKnob, first: &str) -> Option<String> {
         (false, false) => format!("{}; imperceptible {}", named(felt), named(hardly)),
     };
     Some(format!("{} compared with {first}, in perception thresholds of a model of people: {list}", knob.name))
-}
-
-fn width(table: &Table) -> usize {
-    terminal::lines(table).iter().map(|line| line.chars().count()).max().unwrap_or(0)
 }
 
 fn table(knobs: &[ComparedKnob]) -> Table {
@@ -118,18 +114,13 @@ fn significant(value: f64, digits: f64) -> String {
 
 /// The captures or the model file of a column, and what a reader should know of it.
 fn origins(knob: &ComparedKnob) -> Vec<String> {
-    let captures = knob.captures.iter().map(|capture| format!("{}  {}", capture.number, capture.facts.source));
-    let from = knob.model_file.clone().unwrap_or_else(|| captures.collect::<Vec<_>>().join("\n    "));
+    let captures = knob.captures.iter().map(|capture| format!("    {}  {}", capture.number, capture.facts.source));
+    let from = knob.model_file.as_ref().map_or_else(|| captures.collect(), |file| vec![format!("    {file}")]);
     let agreement = knob.agreement.map(|agreement| {
         let words = if agreement.agrees() { "agree within" } else { "differ by more than" };
         format!("    the captures {words} their intervals: Birge ratio {:.2}", agreement.birge_ratio)
     });
     let reasons = by_reason(knob.parameters.iter().filter_map(|(name, own)| Some((*name, own.reason.as_deref()?))));
-    let notes = reasons.into_iter().chain(knob.notes.iter().cloned()).flat_map(|note| paragraph(&note));
-    [format!("{}\n    {from}", knob.name)].into_iter().chain(agreement).chain(notes).collect()
-}
-
-/// A note in lines that fit the terminal, under the knob's name.
-fn paragraph(text: &str) -> Vec<String> {
-    terminal::paragraph("  -", text, WIDTH - 1)
+    let notes = reasons.iter().chain(&knob.notes).map(|note| format!("  - {note}"));
+    [knob.name.clone()].into_iter().chain(from).chain(agreement).chain(notes).collect()
 }

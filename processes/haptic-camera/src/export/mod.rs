@@ -15,11 +15,11 @@ use parquet::basic::{Encoding, Repetition, Type as PhysicalType};
 use parquet::data_type::{DoubleType, Int32Type, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
-use simulators::{TableSpan, TorqueOverAngle};
+use simulators::{TableSpan, TabulationError, TorqueOverAngle};
 
 use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outcome::{UsageError, say};
+use crate::outcome::{UsageError, say, with_options};
 use crate::outputs::{kind, write};
 use crate::parquet_file::{begin, software, write_column};
 
@@ -67,7 +67,7 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<()> {
         (true, "fmu") => simulator::fmu(&model()?, options)?,
         (true, "json") => simulator::smartknob(options)?,
         (true, "csv") => {
-            let table = TorqueOverAngle::of(&model()?, options.points, options.over)?;
+            let table = tabulated(&model()?, options)?;
             write(&options.out, kind::DATA, &table.to_csv())?;
             table.in_words()
         }
@@ -83,7 +83,7 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<()> {
             bail!(UsageError(anyhow!("{out} has an unknown extension; a {what} is exported as {known}")))
         }
     };
-    say(format!("{}: {done}", options.out.display()));
+    format!("{}: {done}", options.out.display()).lines().for_each(say);
     Ok(())
 }
 
@@ -161,10 +161,17 @@ fn metadata(loaded: &LoadedCapture, columns: &[(&str, Values<'_>)]) -> Vec<(Stri
     [software()].into_iter().chain(own).chain(units).chain(attached).collect()
 }
 
+fn tabulated(model: &Model, options: &ExportOptions) -> anyhow::Result<TorqueOverAngle> {
+    TorqueOverAngle::of(model, options.points, options.over).map_err(|error| match error {
+        TabulationError::NoPeriod(_) => with_options(error, "--over turn"),
+        TabulationError::NoTorque(_) => error.into(),
+    })
+}
+
 /// The header of a knob without any torque that depends on the angle holds its inertia and friction alone.
 fn firmware_header(model: &Model, options: &ExportOptions) -> anyhow::Result<String> {
     let has_table = model.effects.iter().any(|effect| effect.kind().steepest_mnm_rad.is_some());
-    let table = has_table.then(|| TorqueOverAngle::of(model, options.points, options.over)).transpose()?;
+    let table = has_table.then(|| tabulated(model, options)).transpose()?;
     let guard = options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     write(&options.out, kind::HEADER, &simulators::c_header(model, table.as_ref(), &options.source, &guard))?;
     Ok(table.map_or_else(|| "no torque that depends on the angle".to_owned(), |table| table.in_words()))

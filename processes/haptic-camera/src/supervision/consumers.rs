@@ -66,7 +66,8 @@ impl Consumers {
         until: Option<Share>,
         loop_core: u32,
     ) -> anyhow::Result<Self> {
-        let words = Words::apart_from_panel(terminal::size().is_some());
+        // With a panel. Without such a file they disturb it, which is no reason not to run.
+        let words = Words { file: terminal::size().and_then(|_| tempfile::tempfile().ok()), printed: 0 };
         let consumer = |(kind, argument): (ProcessKind, Option<String>)| Consumer {
             kind,
             arguments: argument.into_iter().collect(),
@@ -176,11 +177,11 @@ impl Consumer {
     /// Ends it if it hangs: it then counts as one that died.
     fn end_if_hung(&mut self, link: &LoopLink) {
         let Some(child) = &mut self.child else { return };
-        let last_word = link.last_word_of(child.id());
-        if let Some(at_ns) = last_word {
-            child.hear(at_ns);
+        let mut patience = FIRST_WORD;
+        if let Some(health) = link.health.iter().find(|health| health.process_id == child.id()) {
+            child.hear(health.monotonic_time_ns);
+            patience = HUNG;
         }
-        let patience = if last_word.is_some() { HUNG } else { FIRST_WORD };
         // One that waits for a disk is left to wait.
         if child.silence() > patience && rig::process_state(child.id()) != Some('D') {
             self.end_at_once();
@@ -239,12 +240,6 @@ struct Words {
 }
 
 impl Words {
-    /// For a run with a panel; otherwise the consumers print for themselves.
-    fn apart_from_panel(panel: bool) -> Self {
-        // Without such a file they disturb the panel, which is no reason not to run.
-        Self { file: panel.then(|| tempfile::tempfile().ok()).flatten(), printed: 0 }
-    }
-
     /// Redirects a program's output here.
     fn take_from(&self, command: &mut Command) {
         let Some(file) = &self.file else { return };

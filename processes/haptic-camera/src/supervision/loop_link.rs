@@ -31,8 +31,8 @@ pub(crate) struct LoopLink {
     fit: Option<FitUpdate>,
     /// What the consumers last said of themselves.
     pub(super) health: Vec<ProcessHealth>,
-    /// Longest time without a word of the recorder.
-    longest_absence: Duration,
+    /// Longest time without a word of the recorder that has ended.
+    pub(super) longest_absence: Duration,
     pub(super) run: RunDescription,
     /// The models that began to be felt so far.
     pub(super) models: Vec<ModelStart>,
@@ -93,12 +93,6 @@ impl LoopLink {
         }
     }
 
-    /// Torque of the hand at the last status, mNm: the opposite of what the sensor reads on a rig that renders.
-    pub(crate) fn hand_torque_mnm(&self) -> f64 {
-        let known = self.run.calibration().ok().flatten();
-        known.map_or(0.0, |known| known.torque_zero_mnm) - self.status.torque_mnm
-    }
-
     /// Time in the run at the loop's last status, s.
     pub(crate) fn elapsed_s(&self) -> f64 {
         (self.status.published_samples + self.status.missed_ticks) as f64 / self.status.rate_hz.max(1.0)
@@ -114,20 +108,10 @@ impl LoopLink {
         self.health.iter().find(|health| health.process == kind.code())
     }
 
-    /// When a consumer's process last said how it is, CLOCK_MONOTONIC, ns; `None` when it never has.
-    pub(crate) fn last_word_of(&self, process_id: u32) -> Option<u64> {
-        self.health.iter().find(|health| health.process_id == process_id).map(|health| health.monotonic_time_ns)
-    }
-
     /// How long nothing has come from a recorder that has reported before.
     pub(crate) fn absence_of_recorder(&self) -> Duration {
         let last_ns = self.health_of(ProcessKind::Recorder).map(|health| health.monotonic_time_ns);
         last_ns.map_or(Duration::ZERO, |last_ns| Duration::from_nanos(rig::monotonic_time_ns().saturating_sub(last_ns)))
-    }
-
-    /// The longest of these times so far.
-    pub(crate) fn longest_absence_of_recorder(&self) -> Duration {
-        self.longest_absence.max(self.absence_of_recorder())
     }
 
     pub(crate) fn request(&self, kind: CommandKind) -> anyhow::Result<()> {

@@ -158,8 +158,10 @@ fn rendering_line(link: &LoopLink) -> String {
     let contact = if status.flags & Sample::STUCK == 0 { "sliding" } else { "stuck" };
     let model = link.models.last().map_or("", |model| model.name.as_str());
     let axis = link.run.axis;
-    let felt =
-        format!("{:+.3} rad, {contact}, hand {:+.*} mNm", status.angle_rad, 1 + finer(axis), link.hand_torque_mnm());
+    let calibration = link.run.calibration().ok().flatten();
+    // On a rig that renders, the sensor reads the opposite of what the hand does.
+    let hand_mnm = calibration.map_or(0.0, |known| known.torque_zero_mnm) - status.torque_mnm;
+    let felt = format!("{:+.3} rad, {contact}, hand {hand_mnm:+.*} mNm", status.angle_rad, 1 + finer(axis));
     format!(
         "{:5.1} s, {}, late by {:.3} ms at most, {} missed, {model}",
         link.elapsed_s(),
@@ -256,7 +258,8 @@ fn losses(link: &LoopLink) -> String {
     lost.retain(|(_, samples)| *samples > 0);
     let restarts: u32 = link.health.iter().map(|health| health.restarts).sum();
     let mut words = format!("{} ticks missed", status.missed_ticks);
-    let (absence, longest) = (link.absence_of_recorder(), link.longest_absence_of_recorder());
+    let absence = link.absence_of_recorder();
+    let longest = link.longest_absence.max(absence);
     if longest > STREAM_HISTORY {
         let _ = write!(words, ", samples lost while there was no recorder for {:.1} s", longest.as_secs_f64());
     } else if absence > RECORDER_AWAY {

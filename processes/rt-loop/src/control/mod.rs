@@ -9,6 +9,7 @@ mod lowpass;
 pub mod rendering;
 mod servo;
 mod step;
+mod tracking;
 
 pub use cogging::CoggingCompensation;
 pub use holding::Holding;

@@ -5,21 +5,10 @@ use hal::{ApparatusError, Limits, Measurement};
 use shared_types::{Fault, LoopState, Sample};
 
 use super::cogging::CoggingCompensation;
-use super::lowpass::ButterworthLowPass;
 use super::rendering::{RenderedModel, Renderer, StepInput};
 use super::servo::{Servo, ServoGains};
+use super::tracking::Tracked;
 
-/// Jump forward of a rig's own clock against the ticks that no stall of a host makes, s; one that does not rise brings nothing new.
-const CLOCK_JUMP_S: f64 = 0.5;
-/// Times the rig's largest speed at which no knob turns between two readings.
-const JUMP_SPEEDS: f64 = 10.0;
-/// Edge of the published velocity's filter, Hz: the paper's 10th-order Butterworth.
-const VELOCITY_EDGE_HZ: f64 = 500.0;
-/// Its edge at most, as a share of the rate.
-const VELOCITY_EDGE_SHARE: f64 = 0.25;
-/// Time over which the speed is taken that the rig's limit holds for, s: so long that neither an encoder's step nor an angle that
-/// was read a fraction of a tick late looks like a run-away, and so short that none gets far.
-const LIMITED_SPEED_OVER_S: f64 = 2e-3;
 /// A stall so long that the servo does not catch up with what was commanded meanwhile, s.
 const STALL_S: f64 = 5e-3;
 /// Time over which the angle that the excitation turns about returns to where the run began, s.
@@ -110,28 +99,13 @@ pub struct ControlState {
     centre_rad: f64,
     /// Whether a stall has been, after which nothing new was measured yet.
     is_resuming: bool,
-    previous_angle_rad: Option<f64>,
-    /// The newest measurement.
-    newest: Option<Measurement>,
-    /// Ticks since the newest measurement.
-    unmeasured_ticks: u64,
-    /// Ticks up to this one without new data.
-    stale_ticks: u32,
-    /// Why, by the rig's own code.
-    stale_code: i32,
+    tracked: Tracked,
     /// The rig's own code for the fault.
     device_code: i32,
     /// What the motor has done to the knob since the rig was armed, by its command, mNm·rad.
     work: f64,
-    velocity_filter: ButterworthLowPass<5>,
     servo: Servo,
     cogging: CoggingCompensation,
-    /// Filtered, as published.
-    velocity_rad_s: f64,
-    /// The difference of two angles: half a tick old, less than any filter would make it.
-    difference_rad_s: f64,
-    /// The mean of the same over some time, which the rig's limit holds for.
-    limited_speed_rad_s: f64,
     release_torque_mnm: f64,
     last_torque_mnm: f64,
 }
@@ -151,22 +125,11 @@ impl ControlState {
             start_angle_rad: 0.0,
             centre_rad: 0.0,
             is_resuming: false,
-            previous_angle_rad: None,
-            newest: None,
-            unmeasured_ticks: 0,
-            stale_ticks: 0,
-            stale_code: 0,
+            tracked: Tracked::new(&plan)?,
             device_code: 0,
             work: 0.0,
-            velocity_filter: ButterworthLowPass::new(
-                VELOCITY_EDGE_HZ.min(VELOCITY_EDGE_SHARE * plan.rate_hz),
-                plan.rate_hz,
-            )?,
             servo: Servo::new(plan.gains, calibration, plan.rate_hz)?,
             cogging: CoggingCompensation::new(calibration, plan.rate_hz),
-            velocity_rad_s: 0.0,
-            difference_rad_s: 0.0,
-            limited_speed_rad_s: 0.0,
             release_torque_mnm: 0.0,
             last_torque_mnm: 0.0,
         })
@@ -224,7 +187,7 @@ impl ControlState {
         if self.state == LoopState::Idle {
             self.enter(LoopState::Armed);
             self.work = 0.0;
-            self.previous_angle_rad = None;
+            self.tracked.forget_angle();
         }
     }
 
@@ -235,9 +198,7 @@ impl ControlState {
                 self.next_seq = 0;
                 if self.renderer.is_some() {
                     // A rendering follows from its samples alone: nothing from before the run has a part in it.
-                    self.previous_angle_rad = None;
-                    self.limited_speed_rad_s = 0.0;
-                    self.velocity_filter.forget();
+                    self.tracked.forget_motion();
                 }
                 self.enter(LoopState::Running);
                 true
@@ -263,8 +224,11 @@ impl ControlState {
                 return self.fail(Fault::Apparatus, &UNMEASURED);
             }
         };
-        let measurement = match self.taken(&measurement, reading.elapsed_ticks) {
-            Ok(Some(measurement)) => measurement,
+        let measurement = match self.tracked.take(&measurement, reading.elapsed_ticks) {
+            Ok(Some((measurement, turned_rad))) => {
+                self.work += self.last_torque_mnm * turned_rad;
+                measurement
+            }
             // Before the first one there is nothing to hold.
             Ok(None) => return StepOutput { torque_mnm: 0.0, sample: None },
             Err(Fault::Stale) => return self.fail(Fault::Stale, &UNMEASURED),
@@ -299,7 +263,7 @@ impl ControlState {
                 let release = (1.0 - time_s / RELEASE_S).max(0.0);
                 let brake = (1.0 - time_s / STOPPING_S).max(0.0) * (1.0 - release);
                 let torque = release * self.release_torque_mnm
-                    - brake * self.plan.gains.derivative_mnm_s_rad * self.difference_rad_s;
+                    - brake * self.plan.gains.derivative_mnm_s_rad * self.tracked.difference_rad_s();
                 if time_s >= STOPPING_S {
                     self.enter(LoopState::Idle);
                     return StepOutput { torque_mnm: 0.0, sample: None };
@@ -337,7 +301,7 @@ impl ControlState {
     fn resume_at(&mut self, angle_rad: f64) {
         self.centre_rad = angle_rad - self.plan.excitation.at(self.seconds(self.tick)).value;
         self.work = f64::INFINITY;
-        self.is_resuming = self.stale_ticks > 0;
+        self.is_resuming = self.tracked.is_stale();
     }
 
     /// What the motor is to do in this tick of a run.
@@ -349,7 +313,7 @@ impl ControlState {
             }
             let rendered = renderer.step(&StepInput {
                 measurement,
-                velocity_rad_s: self.difference_rad_s,
+                velocity_rad_s: self.tracked.difference_rad_s(),
                 elapsed_ticks,
                 time_s,
                 step_s,
@@ -379,18 +343,18 @@ impl ControlState {
 
     fn follow(&mut self, setpoint: &Setpoint, measurement: &Measurement, elapsed_ticks: u64) -> f64 {
         let step_s = self.seconds(elapsed_ticks);
-        self.servo.torque_mnm(setpoint, measurement, self.difference_rad_s, step_s)
+        self.servo.torque_mnm(setpoint, measurement, self.tracked.difference_rad_s(), step_s)
             + self.against_cogging_mnm(measurement)
     }
 
     fn against_cogging_mnm(&self, measurement: &Measurement) -> f64 {
-        self.cogging.torque_mnm(measurement.angle_rad, self.difference_rad_s)
+        self.cogging.torque_mnm(measurement.angle_rad, self.tracked.difference_rad_s())
     }
 
     /// The limit that the measurement exceeds. One of an earlier tick was judged in that tick: the command has moved on since, and
     /// how long nothing new may come is limited by itself.
     fn exceeded(&self, measurement: &Measurement, commanded_angle_rad: f64) -> Option<Fault> {
-        if self.stale_ticks > 0 {
+        if self.tracked.is_stale() {
             return None;
         }
         let limits = &self.plan.limits;
@@ -398,7 +362,7 @@ impl ControlState {
         let behind_rad = measurement.angle_rad - commanded_angle_rad;
         if measurement.torque_mnm.abs() > limits.sensor_torque_mnm {
             Some(Fault::Torque)
-        } else if self.limited_speed_rad_s.abs() > limits.speed_rad_s {
+        } else if self.tracked.limited_speed_rad_s().abs() > limits.speed_rad_s {
             Some(Fault::Speed)
         } else if turned_rad.abs() > limits.angle_rad {
             Some(Fault::Angle)
@@ -469,7 +433,7 @@ impl ControlState {
             seq: self.next_seq,
             tick: self.tick,
             angle_rad,
-            velocity_rad_s: self.velocity_rad_s,
+            velocity_rad_s: self.tracked.velocity_rad_s(),
             acceleration_rad_s2: acceleration_rad_s2.unwrap_or(f64::NAN),
             torque_mnm,
             contact: contact.map_or(f64::NAN, |closed| f64::from(u8::from(closed))),
@@ -479,54 +443,12 @@ impl ControlState {
             missed_ticks: u32::try_from(self.missed_ticks).unwrap_or(u32::MAX),
             state: self.state.code(),
             fault: self.fault.map_or(0, Fault::code),
-            flags: if self.stale_ticks > 0 { flags | Sample::STALE } else { flags },
-            device_code: if self.device_code == 0 { self.stale_code } else { self.device_code }.cast_unsigned(),
-            stale_ticks: self.stale_ticks,
+            flags: if self.tracked.is_stale() { flags | Sample::STALE } else { flags },
+            device_code: if self.device_code == 0 { self.tracked.stale_code() } else { self.device_code }
+                .cast_unsigned(),
+            stale_ticks: self.tracked.stale_ticks(),
             ..Sample::default()
         }
-    }
-
-    /// Takes in what was measured: the newest there is, which is that of an earlier tick where nothing new came; `None` before
-    /// the first.
-    ///
-    /// New is what is said to be, and was read later than the one before: a clock that stands still brings nothing new.
-    fn taken(&mut self, measurement: &Measurement, elapsed_ticks: u64) -> Result<Option<Measurement>, Fault> {
-        let Measurement { angle_rad, acceleration_rad_s2, torque_mnm, contact: _, after_s, is_stale, stale_code } =
-            *measurement;
-        let numbers = [angle_rad, acceleration_rad_s2.unwrap_or(0.0), torque_mnm, after_s];
-        if !is_stale && !numbers.iter().all(|number| number.is_finite()) {
-            return Err(Fault::Sensor);
-        }
-        self.unmeasured_ticks += elapsed_ticks;
-        let before_s = self.newest.map_or(after_s, |newest| newest.after_s);
-        let step_s = self.seconds(self.unmeasured_ticks) + (after_s - before_s);
-        if !is_stale && after_s - before_s > CLOCK_JUMP_S {
-            return Err(Fault::Clock);
-        }
-        if is_stale || step_s <= 0.0 {
-            self.stale_ticks = self.stale_ticks.saturating_add(1);
-            self.stale_code = stale_code;
-            return if self.stale_ticks > self.plan.stale_limit { Err(Fault::Stale) } else { Ok(self.newest) };
-        }
-        (self.newest, self.unmeasured_ticks) = (Some(*measurement), 0);
-        (self.stale_ticks, self.stale_code) = (0, 0);
-        let before_rad = self.previous_angle_rad.unwrap_or(angle_rad);
-        let limits = &self.plan.limits;
-        let farthest_rad = limits.following_error_rad.max(JUMP_SPEEDS * limits.speed_rad_s * step_s);
-        if (angle_rad - before_rad).abs() > farthest_rad {
-            return Err(Fault::Jump);
-        }
-        self.work += self.last_torque_mnm * (angle_rad - before_rad);
-        self.track_velocity(angle_rad, step_s);
-        Ok(self.newest)
-    }
-
-    fn track_velocity(&mut self, angle_rad: f64, step_s: f64) {
-        let previous = self.previous_angle_rad.replace(angle_rad).unwrap_or(angle_rad);
-        let velocity = (angle_rad - previous) / step_s;
-        self.velocity_rad_s = self.velocity_filter.run(velocity);
-        self.difference_rad_s = velocity;
-        self.limited_speed_rad_s += (velocity - self.limited_speed_rad_s) * -(-step_s / LIMITED_SPEED_OVER_S).exp_m1();
     }
 
     fn clip(&self, torque_mnm: f64) -> f64 {

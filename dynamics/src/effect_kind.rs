@@ -1,0 +1,284 @@
+//! Kinds of effects, each known to the whole program: names, parameters and law.
+
+use crate::{Bristles, Coupling, Curve, Effect, Hypothesis, Motion, Role, Search, TorqueTable};
+
+/// Most parameters that one effect has.
+pub const MAX_PARAMETERS: usize = 24;
+
+/// A physical effect as the instrument knows it.
+#[derive(Debug)]
+pub struct EffectKind {
+    /// Standard name, as used in model files and reports.
+    pub name: &'static str,
+    /// One line that says what the knob does.
+    pub description: &'static str,
+    /// Where the law comes from.
+    pub source: &'static str,
+    /// What it belongs to when a knob is composed of parts of others.
+    pub role: Role,
+    /// What its torque, reading or factor depends on, the main one first; the direction of sliding apart.
+    pub depends_on: &'static [Coordinate],
+    /// The parameters in the order of an effect's values.
+    pub parameters: &'static [ParameterKind],
+    /// The part it plays in the equation of motion.
+    pub part: Part,
+    /// Steepest slope |dτ/dθ| over all angles, mNm/rad; `None` for an effect that is no torque of the angle.
+    pub steepest_mnm_rad: Option<fn(&Effect) -> f64>,
+    /// The part it plays in a fit of torque to motion; `None` if it has none there.
+    pub regressors: Option<Regressors>,
+    /// How to look for it in a capture whose model lacks it; `None` if that is never done.
+    pub hypothesis: Option<Hypothesis>,
+}
+
+impl EffectKind {
+    /// Whether it depends on nothing but `coordinate`.
+    #[must_use]
+    pub fn depends_only_on(&self, coordinate: Coordinate) -> bool {
+        self.depends_on == [coordinate]
+    }
+
+    /// Whether its torque is part of the load of what rubs: that of inertia, detents and springs.
+    #[must_use]
+    pub fn is_of_the_load(&self) -> bool {
+        match self.part {
+            Part::Inertia(_) | Part::VaryingInertia(_) => true,
+            Part::Torque(_) | Part::TorqueTable(_) => !self.depends_only_on(Coordinate::Velocity),
+            _ => false,
+        }
+    }
+
+    /// How many times its law may occur in one effect.
+    #[must_use]
+    pub fn lines(&self) -> usize {
+        self.hypothesis.map_or(1, |hypothesis| hypothesis.lines)
+    }
+
+    /// Number of parameters with which its law occurs once.
+    #[must_use]
+    pub fn parameters_of_a_line(&self) -> usize {
+        self.parameters.len() / self.lines()
+    }
+
+    /// Number of columns with which its law occurs once in a fit.
+    #[must_use]
+    pub fn columns_of_a_line(&self) -> usize {
+        self.regressors.map_or(0, |regressors| regressors.columns / self.lines())
+    }
+
+    /// Number of leading parameters that the first `columns` columns have.
+    #[must_use]
+    pub fn parameters_in(&self, columns: usize) -> usize {
+        let all = self.parameters.len();
+        match self.regressors {
+            None => all,
+            Some(regressors) if self.lines() == 1 => all - (regressors.columns - columns),
+            Some(_) => self.parameters_of_a_line() * (columns / self.columns_of_a_line()),
+        }
+    }
+
+    /// The searches among these parameters, but for what follows another effect's; none without a hypothesis.
+    pub fn free_searches(&self, columns: usize) -> impl Iterator<Item = &'static Search> + use<> {
+        let used = self.parameters_in(columns);
+        let searched = self.hypothesis.map_or(&[][..], |hypothesis| hypothesis.searched);
+        searched.iter().filter(move |search| search.same_as.is_none() && search.parameter < used)
+    }
+}
+
+/// A quantity on which an effect may depend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coordinate {
+    /// Angle of the knob.
+    Angle,
+    /// Velocity of the knob.
+    Velocity,
+    /// Acceleration of the knob.
+    Acceleration,
+    /// Time since the start of the capture.
+    Time,
+    /// Torque on the knob, now or before.
+    Load,
+}
+
+/// A parameter of an effect.
+#[derive(Debug)]
+pub struct ParameterKind {
+    /// Name, unique over all effects: the key in model files and in JSON.
+    pub name: &'static str,
+    /// Unit, as printed.
+    pub unit: &'static str,
+    /// Symbol in the equations.
+    pub symbol: &'static str,
+    /// What it is.
+    pub description: &'static str,
+    /// Smallest value that means something.
+    pub minimum: Minimum,
+}
+
+/// A unit as it follows a number in a sentence: not at all where it is 1.
+pub(crate) fn spaced_unit(unit: &str) -> String {
+    if unit == "1" { String::new() } else { format!(" {unit}") }
+}
+
+/// A parameter's lower bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Minimum {
+    /// Any finite number.
+    None,
+    /// Zero or more.
+    Zero,
+    /// More than zero.
+    AboveZero,
+    /// More than zero and less than one.
+    ShareOfOne,
+}
+
+impl Minimum {
+    /// Whether `value` is permitted; a value that is not finite never is.
+    #[must_use]
+    pub fn permits(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::None => true,
+                Self::Zero => value >= 0.0,
+                Self::AboveZero => value > 0.0,
+                Self::ShareOfOne => value > 0.0 && value < 1.0,
+            }
+    }
+
+    /// What a value must be, for a sentence.
+    #[must_use]
+    pub fn requirement(self) -> &'static str {
+        match self {
+            Self::None => "a finite number",
+            Self::Zero => "zero or more, and finite",
+            Self::AboveZero => "more than zero, and finite",
+            Self::ShareOfOne => "more than zero and less than one",
+        }
+    }
+}
+
+/// Direction in which the knob slides, or is about to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// Towards smaller angles.
+    Negative,
+    /// Towards larger angles.
+    Positive,
+}
+
+impl Direction {
+    /// Direction of a velocity or torque; zero counts as positive.
+    #[must_use]
+    pub fn of(value: f64) -> Self {
+        if value < 0.0 { Self::Negative } else { Self::Positive }
+    }
+
+    /// −1 or +1.
+    #[must_use]
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Negative => -1.0,
+            Self::Positive => 1.0,
+        }
+    }
+}
+
+/// The torques up to which a resting knob holds, and the speed below which it can come to rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StickLimits {
+    /// Magnitude of the torque that a knob at rest bears in the negative direction, mNm.
+    pub negative_mnm: f64,
+    /// Torque that a knob at rest bears in the positive direction, mNm.
+    pub positive_mnm: f64,
+    /// Speed below which the knob sticks, rad/s.
+    pub velocity_rad_s: f64,
+}
+
+/// The part that an effect plays in the equation of motion.
+///
+/// The functions take the effect's values in the order of its kind's parameters.
+#[derive(Clone, Copy, Debug)]
+pub enum Part {
+    /// Adds to the mass matrix; gives the inertia, mNm·s²/rad.
+    Inertia(fn(&[f64]) -> f64),
+    /// Adds to the inertia what depends on the angle; gives that, mNm·s²/rad, and its slope, mNm·s²/rad².
+    VaryingInertia(fn(&[f64], f64) -> [f64; 2]),
+    /// A torque that depends on angle, velocity and time but not on the direction of sliding, mNm.
+    Torque(fn(&[f64], &Motion) -> f64),
+    /// A torque that a table over the angle holds, times the first value.
+    TorqueTable(TableUse),
+    /// Friction that a table holds, over the angle or over the speed, times the first value.
+    FrictionTable(TableUse),
+    /// The torque of friction while sliding in the given direction, mNm: positive when sliding positively.
+    Friction(fn(&[f64], &Motion, Direction) -> f64),
+    /// Friction over the load: what inertia, detents and springs take.
+    LoadFriction(fn(&[f64]) -> f64),
+    /// What holds the knob at rest.
+    Stick(fn(&[f64]) -> StickLimits),
+    /// Relative change of the Coulomb friction: 0 leaves it as it is.
+    CoulombFactor(fn(&[f64], &Motion) -> f64),
+    /// Relative change of all friction, Coulomb and viscous.
+    FrictionFactor(fn(&[f64], &Motion) -> f64),
+    /// Friction's contacts bend before they slip.
+    Bristles(fn(&[f64]) -> Bristles),
+    /// What lies between the torque sensor and the body that friction and detents act on.
+    Coupling(fn(&[f64]) -> Coupling),
+    /// What the torque sensor reads besides the torque, mNm.
+    Reading(fn(&[f64], &Motion) -> f64),
+    /// Time by which the torque sensor's reading is late, s.
+    ReadingDelay(fn(&[f64]) -> f64),
+}
+
+/// What an effect makes of its table.
+#[derive(Clone, Copy, Debug)]
+pub struct TableUse {
+    /// What lies between the points.
+    pub curve: Curve,
+    /// What the points lie over: the angle, or the magnitude of the velocity.
+    pub over: Coordinate,
+    /// Whether a table without a period keeps its ends' torques beyond them; otherwise its last point repeats the first.
+    pub holds: bool,
+}
+
+impl TableUse {
+    /// Name of the points' coordinate in model files.
+    #[must_use]
+    pub fn coordinate_name(&self) -> &'static str {
+        if self.over == Coordinate::Velocity { "speed_rad_s" } else { "angle_rad" }
+    }
+
+    /// Torque of a table at a motion, mNm; for friction its magnitude.
+    #[must_use]
+    pub fn torque_mnm(&self, table: &TorqueTable, motion: &Motion) -> f64 {
+        table.torque_mnm(if self.over == Coordinate::Velocity { motion.velocity_rad_s.abs() } else { motion.angle_rad })
+    }
+}
+
+/// An effect's columns in a fit: torque = Σ coefficient · column.
+///
+/// The coefficients are linear; parameters on which the columns themselves depend are searched.
+#[derive(Clone, Copy, Debug)]
+pub struct Regressors {
+    /// Number of columns.
+    pub columns: usize,
+    /// Indices of the parameters that must be searched because columns depend on them.
+    pub searched: &'static [usize],
+    /// Writes the columns for one motion, given the effect (of its values only the searched ones are read); fewer where the law
+    /// has several orders or lines and there is room for the first of them only.
+    pub fill: fn(&Effect, &Motion, &mut [f64]),
+    /// Writes the effect's values from the fitted coefficients; the searched ones are already in place.
+    pub values: fn(&[f64], &mut [f64]),
+    /// Columns whose coefficient cannot be negative, besides those whose parameter says so.
+    pub nonnegative: &'static [usize],
+}
+
+impl Regressors {
+    /// Of an effect whose only parameter is the scale of its table.
+    pub(crate) const OF_TABLE: Self = Self {
+        columns: 1,
+        searched: &[],
+        fill: Effect::table_column,
+        values: |coefficients, values| values[0] = coefficients[0],
+        nonnegative: &[],
+    };
+}
