@@ -9,8 +9,8 @@ pub(crate) const EVIDENCE: f64 = 10.0;
 const STEADY: f64 = 3.0;
 /// Share of the mean square above the floor that an effect must take away to be worth a name …
 pub(crate) const WORTHWHILE: f64 = 0.28;
-/// … and in mean squares of the floor: smaller ones could be what the floor's own estimate is wrong by.
-const SMALLEST: f64 = 0.06;
+/// … and in mean squares of the floor: with thousands of rows, what is smaller may be significant, and is of no use.
+const SMALLEST: f64 = 0.02;
 /// Probability of chance up to which held-out stretches speak for an effect whose residual is more than noise.
 const CHANCE: f64 = 0.05;
 /// RMS in floors up to which a residual may be taken for noise.
