@@ -1,10 +1,7 @@
 //! Whether there are detents at all, and of which period.
 
-pub(crate) mod scan;
-
 use dynamics::{Effect, effects};
 
-use self::scan::{FEWEST_PERIODS, Scan};
 use crate::estimate::Harmonic;
 use crate::numerics::vector::{self, dot};
 use crate::preparation::motion::Band;
@@ -12,6 +9,8 @@ use crate::regression::gram::held_out_evidence;
 use crate::regression::least_squares::LeastSquares;
 use crate::regression::problem::{Column, Problem};
 use crate::regression::refiner::Ended;
+use crate::sinusoids::scan::Scan;
+use crate::sinusoids::{FEWEST_PERIODS, MARGIN, PREDICTS, threshold};
 use crate::uncertainty::statistics::rms;
 
 /// Peaks of the scan that are refined, at most, …
@@ -22,10 +21,6 @@ const RIVAL: f64 = 0.5;
 pub(crate) const WORTHWHILE_SHARE: f64 = 0.25;
 /// … or have this amplitude relative to the RMS of the torque: less is a ripple, felt by nobody.
 pub(crate) const WORTHWHILE_AMPLITUDE: f64 = 0.1;
-/// How far above the background the evidence for a period must stand beyond what the number of periods tried gives by chance.
-pub(crate) const MARGIN: f64 = 6.0;
-/// Standard errors by which a sinusoid must predict stretches of the capture that it was not fitted to.
-pub(crate) const PREDICTS: f64 = 3.0;
 /// A detent must take away this many times what the null test does: the best other period, one further true
 /// sinusoid being granted, in what the detent leaves …
 const NULL_TEST: f64 = 2.0;
@@ -102,7 +97,7 @@ pub(crate) fn search<'a>(
     let Some((close, mut problem, solution)) = best else {
         return Err(no_detents(longest, shortest));
     };
-    let needed = 2.0 * scan.independent().ln() + MARGIN;
+    let needed = threshold(scan.independent(), MARGIN);
     let rough = needed * scan.background(&powers, 1.0 / problem.effects[problem.effects.len() - 1].values()[1]);
     if 1.5 * (left - close) < rough && left - close < CLEARLY_NOT * left {
         return Err(no_detents(longest, shortest));

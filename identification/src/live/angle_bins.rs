@@ -7,19 +7,18 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 use realfft::num_complex::Complex;
 
 use super::blocks::MOST_COLUMNS;
-use crate::detents::scan::{FEWEST_PERIODS, background_of, gram_inverse, power, vertex_of};
 use crate::detents::{WORTHWHILE_AMPLITUDE, WORTHWHILE_SHARE};
 use crate::numerics::fourier;
+use crate::sinusoids::reduction::Reduction;
+use crate::sinusoids::{FEWEST_PERIODS, OVERSAMPLING, noise_variance, threshold, vertex};
 
 /// Most bins; when the travel outgrows them, neighbours merge.
 const MOST_BINS: usize = 8192;
 /// Width of the first bins, rad.
 const FIRST_WIDTH_RAD: f64 = 1e-6;
-/// Wavenumbers tried per width of a peak.
-const OVERSAMPLING: usize = 4;
 /// Angle bins per period of the finest detent searched.
 const BINS_PER_PERIOD: f64 = 20.0;
-/// What the best period must stand above the background.
+/// Margin of the best period, wider than that of a whole capture: the scan is repeated as the data grow.
 const MARGIN: f64 = 14.0;
 
 /// What a transform takes besides its work, kept from scan to scan: pages that need not be mapped anew.
@@ -157,10 +156,10 @@ impl AngleBins {
         for (column, coefficient) in spectra.iter().zip(coefficients) {
             residual.iter_mut().zip(column).for_each(|(left, line)| *left -= line * coefficient);
         }
-        let power = |index| power(&gram_inverse(index, 1.0, &spectra, &weights, &inverse), residual[index]);
+        let power = |index| Reduction::new(index, 1.0, &spectra, &weights, &inverse).of(residual[index]);
         let powers: Vec<f64> = (first..=last).map(power).collect();
         let best = (0..powers.len()).max_by(|a, b| powers[*a].total_cmp(&powers[*b]))?;
-        let wavenumber = (first + best) as f64 * spacing + spacing * vertex_of(&powers, best);
+        let wavenumber = (first + best) as f64 * spacing + spacing * vertex(&powers, best);
         let peak = TAU / travel_rad / spacing;
         let mut elsewhere: Vec<f64> = powers
             .iter()
@@ -168,12 +167,12 @@ impl AngleBins {
             .filter(|(index, _)| (*index as f64 - best as f64).abs() > peak)
             .map(|(_, power)| *power)
             .collect();
-        let background = background_of(&mut elsewhere);
+        let noise = noise_variance(&mut elsewhere);
         let total = self.residual_square(coefficients);
         let torque_square = self.gram[(columns, columns)];
         let samples = weights[0].re;
         let amplitude = (2.0 * powers[best] / samples).sqrt();
-        let clear = powers[best] > (2.0 * (powers.len() as f64 / peak).max(1.0).ln() + MARGIN) * background;
+        let clear = powers[best] > threshold(powers.len() as f64 / peak, MARGIN) * noise;
         let worthwhile = powers[best] > WORTHWHILE_SHARE * total
             || amplitude > WORTHWHILE_AMPLITUDE * (torque_square / samples).sqrt();
         Some(Scan { wavenumber, travel_rad, detents: clear && worthwhile })

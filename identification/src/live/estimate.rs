@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 use super::Joint;
 use super::blocks::{Blocks, Solution};
 use super::convergence::{Convergence, Criterion, MotionRms, relative_half_width};
-use crate::uncertainty::statistics::deviation_of_sum;
+use crate::uncertainty::statistics::{deviation_of_sum, interval};
 
 /// Blocks that must scatter before intervals mean anything.
 const FEWEST_BLOCKS: usize = 16;
@@ -229,7 +229,7 @@ fn parameter(
     let enough = solution.blocks >= FEWEST_BLOCKS && small && kind.minimum.permits(value);
     LiveParameter {
         value: Some(value),
-        ci95: (solution.blocks >= FEWEST_BLOCKS).then_some([value - half, value + half]),
+        ci95: (solution.blocks >= FEWEST_BLOCKS).then_some(interval(value, half)),
         ..without_value(kind, if enough { Verdict::Estimated } else { Verdict::NotYet })
     }
 }
@@ -267,7 +267,7 @@ fn detent_parameters(columns: usize, joint: &Joint, solution: &Solution) -> [Liv
     let parameters = [(0, amplitude, half_amplitude), (1, period, half_period), (2, phase, half_phase)];
     parameters.map(|(index, value, half)| LiveParameter {
         value: Some(value),
-        ci95: Some([value - half, value + half]),
+        ci95: Some(interval(value, half)),
         ..without_value(&effects::detent::KIND.parameters[index], verdict)
     })
 }

@@ -290,7 +290,7 @@ impl LiveFit {
         }
         self.scanned_at = self.sliding;
         let Some(solution) = self.base.blocks.solve(self.base.blocks.columns()) else { return };
-        let scan = self.bins.scan(&solution.coefficients, self.pipeline.slow_rad_s(), BAND_HZ);
+        let scan = self.bins.scan(&solution.coefficients, self.pipeline.slow_rad_s(), band_hz(self.rate_hz));
         self.evidence = scan.as_ref().map(|scan| scan.detents);
         let Some(scan) = scan.filter(|scan| scan.detents) else { return };
         // A period in use is kept unless the scan sees another peak: Gauss–Newton follows the same one.

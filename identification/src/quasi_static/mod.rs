@@ -4,9 +4,9 @@
 //! friction shows as the distance between passes in the two directions, and detents as sinusoids of the angle,
 //! counted per turn where a whole turn was covered.
 
-mod block_sums;
 mod characteristic;
-mod matching_pursuit;
+
+use dynamics::{Effect, ParameterKind, effects};
 
 use crate::estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 use crate::fit::report::prediction_sd;
@@ -14,12 +14,10 @@ use crate::numerics::vector::{extent, smallest_step};
 use crate::options::FitOptions;
 use crate::preparation::motion::{KnobMotion, scatter};
 use crate::preparation::saturation::Saturation;
+use crate::regression::block_sums::{BlockSums, Estimate, critical};
 use crate::samples::{FEWEST_SAMPLES, Samples};
-use crate::uncertainty::statistics::{NORMAL_95, mean, median};
-use block_sums::{BlockSums, Estimate, critical};
-use dynamics::{Effect, ParameterKind, effects};
-use matching_pursuit::Grid;
-pub(crate) use matching_pursuit::of_turns;
+use crate::sinusoids::matching_pursuit::{self, Grid};
+use crate::uncertainty::statistics::{NORMAL_95, interval, mean, median};
 
 /// Fewest rows of a direction from which its friction is told.
 const FEWEST_ROWS: usize = FEWEST_SAMPLES / 4;
@@ -251,10 +249,6 @@ fn mean_speed_rad_s(time_s: &[f64], angle_rad: &[f64], directions: &[i8]) -> f64
         duration_s += time_s[at] - time_s[at - 1];
     }
     if duration_s > 0.0 { way_rad / duration_s } else { 0.0 }
-}
-
-fn interval(value: f64, half: f64) -> [f64; 2] {
-    [value - half, value + half]
 }
 
 fn preparation(samples: &Samples<'_>, rows: usize) -> Preparation {

@@ -73,6 +73,11 @@ pub(crate) fn deviation_of_sum(covariance: &DMatrix<f64>, derivatives: &[f64]) -
     variance.max(0.0).sqrt()
 }
 
+/// The interval of this half width about a value.
+pub(crate) fn interval(value: f64, half_width: f64) -> [f64; 2] {
+    [value - half_width, value + half_width]
+}
+
 /// Mean; 0 for no values.
 pub(crate) fn mean<V: Borrow<f64>>(values: impl IntoIterator<Item = V>) -> f64 {
     let (sum, count) = values.into_iter().fold((0.0, 0.0), |(sum, count), value| (sum + value.borrow(), count + 1.0));

@@ -5,15 +5,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::block_sums::{BlockSums, Estimate, critical};
-use super::interval;
-use crate::detents::scan::background_of;
-use crate::detents::{MARGIN, PREDICTS};
+use super::{MARGIN, PREDICTS, noise_variance, threshold};
 use crate::estimate::Harmonic;
 use crate::numerics::{fourier, vector};
+use crate::regression::block_sums::{BlockSums, Estimate, critical};
 use crate::regression::refiner::{self, Ended, longest_improving};
 use crate::samples::span;
-use crate::uncertainty::statistics::{deviation_of_sum, median};
+use crate::uncertainty::statistics::{deviation_of_sum, interval, median};
 
 /// Places of the angle over which the residual is summed for the transform.
 const PLACES: usize = 16_384;
@@ -38,17 +36,17 @@ const STEPS: usize = 8;
 const SETTLED: f64 = 1e-9;
 
 /// Where sinusoids are looked for.
-pub(super) struct Grid {
+pub(crate) struct Grid {
     /// Wavenumber of the transform's first line, 1/rad: 1 for whole turns.
     unit: f64,
     lowest: usize,
     highest: usize,
     start_rad: f64,
-    pub(super) whole_turn: bool,
+    pub(crate) whole_turn: bool,
 }
 
 impl Grid {
-    pub(super) fn of(angle_rad: &[f64]) -> Self {
+    pub(crate) fn of(angle_rad: &[f64]) -> Self {
         let travel = span(angle_rad);
         let whole_turn = travel >= WHOLE_TURN * TAU;
         let unit = if whole_turn { 1.0 } else { TAU / (PADDING * travel) };
@@ -62,7 +60,7 @@ impl Grid {
     }
 
     /// The same without what is finer than `wavenumber`, 1/rad.
-    pub(super) fn up_to(self, wavenumber: f64) -> Self {
+    pub(crate) fn up_to(self, wavenumber: f64) -> Self {
         Self { highest: self.highest.min((wavenumber / self.unit) as usize).max(self.lowest), ..self }
     }
 
@@ -83,9 +81,9 @@ impl Grid {
         let best = (self.lowest..=highest).filter(free).max_by(|a, b| power(*a).total_cmp(&power(*b)))?;
         // A line of noise has two squared normal numbers.
         let mut powers: Vec<f64> = (self.lowest..=highest).map(power).collect();
-        let background = 2.0 * background_of(&mut powers);
+        let noise = 2.0 * noise_variance(&mut powers);
         let independent = (highest - self.lowest + 1) as f64 / if self.whole_turn { 1.0 } else { PADDING };
-        let is_clear = power(best) > (2.0 * independent.max(1.0).ln() + MARGIN) * background
+        let is_clear = power(best) > threshold(independent, MARGIN) * noise
             && power(best) > WORTHWHILE * residual.iter().map(|rest| rest * rest).sum::<f64>();
         is_clear.then_some(best as f64 * self.unit)
     }
@@ -94,7 +92,7 @@ impl Grid {
 /// Adds the sinusoids that stand out and predict what they were not fitted to; returns their wavenumbers, 1/rad.
 ///
 /// The columns of each are sine and cosine, behind those that the sums hold already.
-pub(super) fn sinusoids(sums: &mut BlockSums, angle_rad: &[f64], grid: &Grid) -> Vec<f64> {
+pub(crate) fn sinusoids(sums: &mut BlockSums, angle_rad: &[f64], grid: &Grid) -> Vec<f64> {
     let mut wavenumbers: Vec<f64> = Vec::new();
     let mut tried: Vec<f64> = Vec::new();
     let mut refusals = 0;
@@ -124,7 +122,7 @@ fn push(sums: &mut BlockSums, angle_rad: &[f64], wavenumber: f64) {
 }
 
 /// The derivative of a·sin(kθ) + b·cos(kθ) by k, with θ from the middle of the travel, where k and phase are independent.
-pub(super) fn tangent(angle_rad: &[f64], wavenumber: f64, coefficients: [f64; 2]) -> Vec<f64> {
+pub(crate) fn tangent(angle_rad: &[f64], wavenumber: f64, coefficients: [f64; 2]) -> Vec<f64> {
     let middle = vector::extent(angle_rad).map_or(0.0, |(lowest, highest)| 0.5 * (lowest + highest));
     angle_rad
         .iter()
@@ -188,7 +186,7 @@ pub(crate) fn of_turns(
 }
 
 /// The sinusoids behind the first `base` columns, strongest first.
-pub(super) fn ranked(sums: &BlockSums, estimate: &Estimate, base: usize, wavenumbers: &[f64]) -> Option<Vec<Harmonic>> {
+pub(crate) fn ranked(sums: &BlockSums, estimate: &Estimate, base: usize, wavenumbers: &[f64]) -> Option<Vec<Harmonic>> {
     let coefficients = &estimate.coefficients;
     let pair = |position: usize| [coefficients[base + 2 * position], coefficients[base + 2 * position + 1]];
     let mut order: Vec<usize> = (0..wavenumbers.len()).collect();
