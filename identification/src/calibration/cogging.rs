@@ -18,7 +18,7 @@ use super::friction::motors_share_mnm;
 use super::regression::Band;
 use crate::Samples;
 use crate::estimate::Harmonic;
-use crate::preparation::motion::gradient;
+use crate::numerics::derivative::gradient;
 use crate::preparation::uniform::{Uniform, whole};
 use crate::samples::{FEWEST_SAMPLES, span};
 use crate::sinusoids::matching_pursuit;

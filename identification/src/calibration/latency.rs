@@ -16,10 +16,11 @@ use dynamics::Calibration;
 use super::estimate::{CalibrateError, Calibrated, Estimate, check_command};
 use super::regression::{Band, Solved, UNEXPLAINED};
 use crate::Samples;
+use crate::numerics::derivative::gradient;
+use crate::numerics::interpolation::advance;
 use crate::preparation::compliance::knob_angle_rad;
-use crate::preparation::motion::gradient;
 use crate::preparation::spectrum::Spectrum;
-use crate::preparation::uniform::{Uniform, advance};
+use crate::preparation::uniform::Uniform;
 use crate::uncertainty::statistics::rms;
 
 /// The band reaches to this multiple of the frequency below which the motion's power lies …

@@ -4,6 +4,7 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use dynamics::Direction;
 
+use crate::preparation::uniform::typical_step;
 use crate::samples::{FitError, Samples, span};
 use crate::uncertainty::statistics::{mean, median, running, runs, student_95, without_line};
 
@@ -154,8 +155,7 @@ impl Profile {
         // The direction of a sample is that in which the knob leaves its bin's neighbourhood, not that of encoder steps.
         let mut turning_point = samples.angle_rad[0];
         let mut direction = None;
-        let mut steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let step_s = median(&mut steps);
+        let (step_s, _) = typical_step(samples.t_s);
         let (mut previous_s, mut caught_up_s) = (samples.t_s[0], samples.t_s[0]);
         for ((time_s, angle), torque) in samples.t_s.iter().zip(samples.angle_rad).zip(samples.torque_mnm) {
             if time_s - previous_s > 1.5 * step_s {

@@ -4,7 +4,7 @@ use dynamics::{Effect, effects};
 
 use crate::estimate::Harmonic;
 use crate::numerics::vector::{self, dot};
-use crate::preparation::motion::Band;
+use crate::preparation::band::Band;
 use crate::regression::gram::held_out_evidence;
 use crate::regression::least_squares::LeastSquares;
 use crate::regression::problem::{Column, Problem};

@@ -10,9 +10,7 @@
 use nalgebra::{DMatrix, DVector, RowDVector};
 
 use super::trimmed::{Rows, Trimmed};
-use crate::preparation::filter::Fir;
-use crate::preparation::motion::ROWS_PER_EDGE;
-use crate::preparation::row_filter::HALF_LENGTH_PERIODS;
+use crate::preparation::row_filter::{ROWS_PER_EDGE, row_low_pass};
 use crate::regression::least_squares::{LeastSquares, RobustCovariance};
 use crate::regression::problem::Problem;
 use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, median};
@@ -80,8 +78,7 @@ impl Misfit {
         let speeds: Vec<f64> =
             (0..target.len()).map(|row| motion.velocity_rad_s[row * row_filter.step].abs()).collect();
         let typical = median(&mut speeds.clone());
-        let narrow =
-            Fir::low_pass((HALF_LENGTH_PERIODS * ROWS_PER_EDGE / NARROWER).round() as usize, NARROWER, ROWS_PER_EDGE);
+        let narrow = row_low_pass(NARROWER, ROWS_PER_EDGE);
         let where_speed = |kept: &dyn Fn(f64) -> bool, rows: &[f64]| -> Vec<f64> {
             rows.iter().zip(&speeds).map(|(value, speed)| if kept(*speed) { *value } else { 0.0 }).collect()
         };

@@ -40,7 +40,7 @@ use estimate::{Excitation, estimate};
 pub use estimate::{LiveEstimate, LiveParameter, Verdict};
 use pipeline::{Pipeline, Sliding};
 
-use crate::preparation::uniform::cubic_weights;
+use crate::numerics::interpolation::cubic_weights;
 
 /// Edge of the band in which torque and motion are compared, Hz …
 const BAND_HZ: f64 = 150.0;

@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 use dynamics::{Calibration, Motion};
 
 use super::LiveSample;
+use crate::numerics::interpolation::{NEIGHBOURS, cubic_weights};
 use crate::preparation::compliance::compliance_rad_mnm;
 use crate::preparation::filter::Fir;
-use crate::preparation::row_filter::HALF_LENGTH_PERIODS;
-use crate::preparation::uniform::{NEIGHBOURS, cubic_weights};
+use crate::preparation::row_filter::row_low_pass;
 use crate::uncertainty::statistics::MEDIAN_FOURTH_DIFFERENCE;
 
 /// The angle's low-pass reaches this much beyond the band in which torque and motion are compared.
@@ -61,16 +61,16 @@ pub(super) struct Pipeline {
 impl Pipeline {
     pub(super) fn new(rate_hz: f64, band_hz: f64, calibration: Option<&Calibration>) -> Self {
         let cutoff_hz = (ANGLE_BAND * band_hz).min(0.4 * rate_hz);
-        let half_length = (HALF_LENGTH_PERIODS * rate_hz / cutoff_hz).round() as usize;
+        let fir = row_low_pass(cutoff_hz, rate_hz);
         // A torque channel ahead of the encoder is not foreseen; its delay is at most what the guard bears.
         let delay = calibration.map_or(0.0, |known| known.torque_delay_s.clamp(0.0, 0.05)) * rate_hz;
         let part = delay.fract();
         let guard = ((GUARD_S + 1.0 / cutoff_hz) * rate_hz).round() as usize;
-        let length = 4 * half_length + 2 * guard + delay as usize + 16;
+        let length = 4 * fir.half_length() + 2 * guard + delay as usize + 16;
         let ring = || Ring::new(length);
         Self {
             rate_hz,
-            fir: Fir::low_pass(half_length, cutoff_hz, rate_hz),
+            fir,
             torque_zero_mnm: calibration.map_or(0.0, |known| known.torque_zero_mnm),
             compliance_rad_mnm: compliance_rad_mnm(calibration),
             whole_delay: delay as usize,

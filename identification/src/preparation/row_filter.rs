@@ -5,8 +5,9 @@ use std::ops::Range;
 
 use dynamics::{Effect, effects};
 
+use super::band::Band;
 use super::filter::Fir;
-use super::motion::{Band, KnobMotion, ROWS_PER_EDGE};
+use super::motion::KnobMotion;
 use super::uniform::{Uniform, whole};
 use crate::numerics::fourier::Response;
 use crate::numerics::vector;
@@ -20,7 +21,9 @@ const FADE_S: f64 = 0.002;
 /// Speed below which a knob may be sticking, as a share of the RMS speed.
 const SLOW: f64 = 0.01;
 /// Half length of the low-pass in periods of its edge: a Hamming window's transition is then as wide as the edge.
-pub(crate) const HALF_LENGTH_PERIODS: f64 = 1.65;
+const HALF_LENGTH_PERIODS: f64 = 1.65;
+/// Rows are kept at this multiple of the band's edge.
+pub(crate) const ROWS_PER_EDGE: f64 = 2.5;
 /// Samples that are filtered together: few enough to stay in a processor's cache.
 const BLOCK: usize = 2048;
 
@@ -53,13 +56,11 @@ impl RowFilter {
         if !motion.exact {
             fade(&mut mask, samples(FADE_S, rate_hz));
         }
-        let step = whole(rate_hz / (ROWS_PER_EDGE * band.edge_hz)).max(1);
-        let half_length = (HALF_LENGTH_PERIODS * rate_hz / band.edge_hz).round() as usize;
         Self {
             rate_hz,
             mask,
-            fir: Fir::low_pass(half_length, band.edge_hz, rate_hz),
-            step,
+            fir: row_low_pass(band.edge_hz, rate_hz),
+            step: row_step(band.edge_hz, rate_hz),
             threshold_rad_s,
             response: None,
         }
@@ -156,6 +157,16 @@ impl RowFilter {
     pub(crate) fn sliding(&self) -> usize {
         self.mask.iter().filter(|mask| **mask > 0.0).count()
     }
+}
+
+/// The low-pass before rows are kept in a band.
+pub(crate) fn row_low_pass(edge_hz: f64, rate_hz: f64) -> Fir {
+    Fir::low_pass((HALF_LENGTH_PERIODS * rate_hz / edge_hz).round() as usize, edge_hz, rate_hz)
+}
+
+/// Every how many samples a row is kept in a band.
+pub(crate) fn row_step(edge_hz: f64, rate_hz: f64) -> usize {
+    whole(rate_hz / (ROWS_PER_EDGE * edge_hz)).max(1)
 }
 
 fn samples(duration_s: f64, rate_hz: f64) -> usize {

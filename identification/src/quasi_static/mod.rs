@@ -12,12 +12,13 @@ use crate::estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 use crate::fit::report::prediction_sd;
 use crate::numerics::vector::{extent, smallest_step};
 use crate::options::FitOptions;
-use crate::preparation::motion::{KnobMotion, scatter};
+use crate::preparation::motion::KnobMotion;
 use crate::preparation::saturation::Saturation;
+use crate::preparation::uniform::typical_step;
 use crate::regression::block_sums::{BlockSums, Estimate, critical};
 use crate::samples::{FEWEST_SAMPLES, Samples};
 use crate::sinusoids::matching_pursuit::{self, Grid};
-use crate::uncertainty::statistics::{NORMAL_95, interval, mean, median};
+use crate::uncertainty::statistics::{NORMAL_95, interval, mean, noise_deviation};
 
 /// Fewest rows of a direction from which its friction is told.
 const FEWEST_ROWS: usize = FEWEST_SAMPLES / 4;
@@ -252,8 +253,7 @@ fn mean_speed_rad_s(time_s: &[f64], angle_rad: &[f64], directions: &[i8]) -> f64
 }
 
 fn preparation(samples: &Samples<'_>, rows: usize) -> Preparation {
-    let mut steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let rate_hz = 1.0 / median(&mut steps);
+    let rate_hz = 1.0 / typical_step(samples.t_s).0;
     let used = rows as f64 / samples.t_s.len() as f64;
     Preparation {
         method: "quasi-static",
@@ -261,8 +261,8 @@ fn preparation(samples: &Samples<'_>, rows: usize) -> Preparation {
         angle_cutoff_hz: 0.5 * rate_hz,
         band_hz: 0.5 * rate_hz,
         sliding_percent: 100.0 * used,
-        angle_noise_rad: scatter(samples.angle_rad),
-        torque_noise_mnm: scatter(samples.torque_mnm),
+        angle_noise_rad: noise_deviation(samples.angle_rad),
+        torque_noise_mnm: noise_deviation(samples.torque_mnm),
         ..Preparation::default()
     }
 }
@@ -274,7 +274,7 @@ fn preparation(samples: &Samples<'_>, rows: usize) -> Preparation {
 fn directions(angle_rad: &[f64], duration_s: f64, resolution_rad: f64) -> Option<Vec<i8>> {
     let (lowest, highest) = extent(angle_rad)?;
     let travel = highest - lowest;
-    let reversal = REVERSAL * resolution_rad.max(scatter(angle_rad));
+    let reversal = REVERSAL * resolution_rad.max(noise_deviation(angle_rad));
     if !reversal.is_finite() || travel < LEAST_TRAVEL * reversal {
         return None;
     }

@@ -13,7 +13,7 @@ use super::fourier_sums::FourierSums;
 use super::reduction::Reduction;
 use super::{FEWEST_PERIODS, OVERSAMPLING, noise_variance, vertex};
 use crate::numerics::vector::{self, dot};
-use crate::preparation::motion::Band;
+use crate::preparation::band::Band;
 use crate::preparation::row_filter::RowFilter;
 use crate::regression::problem::Problem;
 use crate::uncertainty::statistics::quantile;

@@ -134,6 +134,13 @@ pub(crate) fn running(values: &[f64], reach: usize, of: impl Fn(&[f64]) -> f64) 
     (0..values.len()).map(|at| of(near(at))).collect()
 }
 
+/// Standard deviation of the white noise in a signal, from its fourth differences, in which motion hardly shows.
+pub(crate) fn noise_deviation(signal: &[f64]) -> f64 {
+    let mut fourth: Vec<f64> =
+        signal.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
+    median(&mut fourth) / MEDIAN_FOURTH_DIFFERENCE
+}
+
 /// All runs of neighbours that are alike.
 pub(crate) fn runs<T>(values: &[T], alike: impl FnMut(&T, &T) -> bool) -> impl Iterator<Item = Range<usize>> {
     values.chunk_by(alike).scan(0, |start, run| {

@@ -72,17 +72,9 @@ pub(crate) fn spread(kept: &[f64], taps: &[f64], step: usize, output: &mut [f64]
 
 /// Differences across one to four samples on either side, weighted and summed; none for the four samples at each end.
 pub(crate) fn differences(signal: &[f64], weights: [f64; 4], output: &mut [f64]) {
-    let count = output.len();
-    let [a, b, c, d] = weights;
-    let before: [&[f64]; 4] = [3, 2, 1, 0].map(|shift| &signal[shift..shift + count]);
-    let after: [&[f64]; 4] = [5, 6, 7, 8].map(|shift| &signal[shift..shift + count]);
-    let ([before_1, before_2, before_3, before_4], [after_1, after_2, after_3, after_4]) = (before, after);
     widest!({
-        let near = before_1.iter().zip(after_1).zip(before_2.iter().zip(after_2));
-        let far = before_3.iter().zip(after_3).zip(before_4.iter().zip(after_4));
-        for (slot, (near, far)) in output.iter_mut().zip(near.zip(far)) {
-            let near = a * (near.0.1 - near.0.0) + b * (near.1.1 - near.1.0);
-            *slot = near + c * (far.0.1 - far.0.0) + d * (far.1.1 - far.1.0);
+        for (slot, near) in output.iter_mut().zip(signal.array_windows::<9>()) {
+            *slot = (0..4).map(|place| weights[place] * (near[5 + place] - near[3 - place])).sum();
         }
     });
 }
