@@ -4,7 +4,7 @@ use super::Prepared;
 use super::band::Band;
 use super::filter::{Fir, both_ways, chebyshev1_low_pass, chebyshev2_low_pass, low_pass};
 use super::motion::{KnobMotion, prompt};
-use super::row_filter::RowFilter;
+use super::row_filter::{RowFilter, SLOW};
 use super::uniform::Uniform;
 use crate::numerics::derivative::gradient;
 use crate::uncertainty::statistics::rms;
@@ -20,8 +20,6 @@ const MOTION_EDGE_HZ: f64 = 1000.0;
 const TORQUE_EDGE_HZ: f64 = 500.0;
 /// Order and edge of the Butterworth low-pass on the velocity; the paper does not print the edge, Hz.
 const PAPER_BUTTERWORTH: (usize, f64) = (10, 500.0);
-/// Speed below which a sample counts as stuck, as a share of the RMS speed.
-const SLOW: f64 = 0.01;
 
 /// Order and edge (Hz) of the Butterworth low-pass on the angle before central differences, run both ways.
 const BUTTERWORTH: (usize, f64) = (4, 100.0);

@@ -1,4 +1,5 @@
-//! Mask first, then filter: the relation between torque and motion stays exactly linear.
+//! Mask, low-pass and decimation by which samples become rows: the mask comes first, so that the relation between torque and
+//! motion stays exactly linear.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -13,13 +14,13 @@ use crate::numerics::fourier::Response;
 use crate::numerics::vector;
 use crate::uncertainty::statistics::{rms, runs};
 
-/// Time around stick and reversals that is left out besides what the filters reach, s: the smoothed speed rises
+/// Time around stick and reversals that is left out beyond the reach of the filters, s: the smoothed speed rises
 /// before the knob breaks away, and contact rings.
-const GUARD_S: f64 = 0.002;
+pub(crate) const GUARD_S: f64 = 0.002;
 /// Time over which the mask fades in and out, s: at a hard edge, noise from beyond the band would fold into it.
 const FADE_S: f64 = 0.002;
 /// Speed below which a knob may be sticking, as a share of the RMS speed.
-const SLOW: f64 = 0.01;
+pub(crate) const SLOW: f64 = 0.01;
 /// Half length of the low-pass in periods of its edge: a Hamming window's transition is then as wide as the edge.
 const HALF_LENGTH_PERIODS: f64 = 1.65;
 /// Rows are kept at this multiple of the band's edge.
@@ -38,7 +39,7 @@ pub(crate) struct RowFilter {
     pub(crate) step: usize,
     /// Speed below which samples are masked, rad/s.
     pub(crate) threshold_rad_s: f64,
-    /// What the rows pass last.
+    /// A further linear response that the rows pass after decimation.
     pub(crate) response: Option<Response>,
 }
 
@@ -66,9 +67,9 @@ impl RowFilter {
         }
     }
 
-    /// The row filter of the samples that the mask leaves out for nothing but the filters' reach to where the knob turns round without
-    /// a rest; `None` if there are none.
-    pub(crate) fn next_to_standstill(&self, uniform: &Uniform, motion: &KnobMotion) -> Option<Self> {
+    /// The same filter for other samples: those that the mask leaves out only because the filters reach from there to a turning point
+    /// at which the knob does not rest. `None` if there are none.
+    pub(crate) fn next_to_turning_points(&self, uniform: &Uniform, motion: &KnobMotion) -> Option<Self> {
         if motion.exact {
             return None;
         }
@@ -148,12 +149,12 @@ impl RowFilter {
         spread
     }
 
-    /// What the rows amount to in fully weighted ones.
+    /// Number of rows that the mask leaves, each counted by the square of its weight.
     pub(crate) fn weight(&self) -> f64 {
         vector::dot(&self.mask, &self.mask) / self.step as f64
     }
 
-    /// Number of samples that are not masked.
+    /// Number of samples that the mask does not set to zero.
     pub(crate) fn sliding(&self) -> usize {
         self.mask.iter().filter(|mask| **mask > 0.0).count()
     }
@@ -173,24 +174,26 @@ fn samples(duration_s: f64, rate_hz: f64) -> usize {
     (duration_s * rate_hz).round() as usize
 }
 
-/// 0 at slow and at lost samples, at both ends, and as far around slow samples as `guard` says for the length of their run. Where a measured
-/// velocity changes its sign from one sample to the next, both are slow, however fast they are.
+/// The mask without fading: zero at slow and at lost samples, within the filters' reach of lost samples and of both ends, and as many
+/// samples around a run of slow ones as `guard` gives for its length.
+///
+/// Where a measured velocity changes its sign from one sample to the next, both count as slow.
 fn mask(uniform: &Uniform, motion: &KnobMotion, threshold_rad_s: f64, guard: impl Fn(usize) -> usize) -> Vec<f64> {
     let length = motion.len();
     let mut mask = vec![1.0; length];
-    let settle = motion.reach.min(length);
+    let reach = motion.reach.min(length);
     let velocity = &motion.velocity_rad_s;
     let mut is_slow: Vec<bool> = velocity.iter().map(|velocity| velocity.abs() <= threshold_rad_s).collect();
     let turns = |after: &usize| !motion.exact && velocity[after - 1] * velocity[*after] < 0.0;
     (1..length).filter(turns).for_each(|after| is_slow[after - 1..=after].fill(true));
     blank_runs(&mut mask, &is_slow, |is_slow| *is_slow, guard);
-    blank_runs(&mut mask, &uniform.present, |is_present| !is_present, |_| settle);
-    mask[..settle].fill(0.0);
-    mask[length - settle..].fill(0.0);
+    blank_runs(&mut mask, &uniform.present, |is_present| !is_present, |_| reach);
+    mask[..reach].fill(0.0);
+    mask[length - reach..].fill(0.0);
     mask
 }
 
-/// Sets the mask to zero at every run of samples that are to be `left_out`, and as far around it as `guard` says for its length.
+/// Sets the mask to zero at every run of samples to be `left_out`, and as many samples around it as `guard` gives for its length.
 fn blank_runs<T>(mask: &mut [f64], samples: &[T], left_out: impl Fn(&T) -> bool, guard: impl Fn(usize) -> usize) {
     let runs = runs(samples, |one, other| left_out(one) == left_out(other));
     for run in runs.filter(|run| left_out(&samples[run.start])) {
@@ -214,7 +217,7 @@ fn fade(mask: &mut [f64], length: usize) {
     sweep(&mut mask.iter_mut().rev());
 }
 
-/// Writes an effect's leading columns for a range of samples; zeros may stand for those that take no part.
+/// Writes an effect's leading columns for a range of samples; samples that take no part may be zero.
 pub(crate) fn fill(
     effect: &Effect,
     motion: &KnobMotion,
