@@ -76,7 +76,7 @@ impl Map {
         let duration_s = if is_curve { f64::INFINITY } else { samples.t_s.last()? - samples.t_s.first()? };
         let directions = directions(samples.angle_rad, duration_s, step)?;
         let index: Vec<usize> =
-            (0..directions.len()).filter(|at| directions[*at] != 0 && !saturation.holds(*at)).collect();
+            (0..directions.len()).filter(|at| directions[*at] != 0 && !saturation.contains(*at)).collect();
         if index.len() < FEWEST_SAMPLES {
             return None;
         }
