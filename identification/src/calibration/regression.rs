@@ -1,4 +1,4 @@
-//! A linear relation between signals of a capture, solved in a band, with intervals that hold.
+//! A linear relation between signals of a capture, solved in a band, with robust intervals.
 
 use super::estimate::CalibrateError;
 use crate::preparation::filter::low_pass;
@@ -9,11 +9,11 @@ use crate::uncertainty::statistics::{MEDIAN_MAGNITUDE, deviation_of_sum, median,
 /// Rows further from the relation than this many standard deviations are left out: a knob that breaks
 /// loose shakes the rig.
 const OUTLIER: f64 = 5.0;
-/// Rounds after which the outliers are what they are.
+/// Most rounds of leaving out outliers.
 const ROUNDS: usize = 5;
-/// Share of a channel that may be something else.
+/// Share of a channel that the relation may leave unexplained.
 pub(super) const UNEXPLAINED: f64 = 0.5;
-/// Time at each end that the filter needs to settle, in periods of the band's edge.
+/// Time at each end in which the filter settles, in periods of the band's edge.
 const SETTLING: f64 = 2.0;
 
 /// The band in which a relation is solved.

@@ -30,17 +30,17 @@ const NULL_TEST_OF_FEW: f64 = 20.0;
 const BESIDE_BENDS: f64 = 10.0;
 /// A spring of any stiffness up to the third power of its deflection, and gravity.
 const BENDS: usize = 5;
-/// So many periods are few.
+/// Periods in the travel that are few.
 const FEW_PERIODS: f64 = 3.0;
-/// Margin for harmonics in the residual.
+/// Multiple of the noise's variance that a harmonic in the residual must take off.
 const HARMONIC_MARGIN: f64 = 14.0;
 /// A harmonic explains at least this share of the residual's sum of squares.
 const HARMONIC_SHARE: f64 = 0.01;
-/// A harmonic is looked at closely if the scan shows what it must explain divided by this.
+/// A harmonic is fitted if the scan shows at least what it must explain divided by this.
 const HARMONIC_LOOK: f64 = 2.0;
 /// Overtones are looked for up to this multiple of the detent.
 const HIGHEST_OVERTONE: u32 = 12;
-/// A period that explains less than this and does not stand out roughly is not looked at closely.
+/// A period that explains less than this share, and whose first fit does not stand out, is refined no further.
 const CLEARLY_NOT: f64 = 0.05;
 /// A model that leaves less than this share of the torque has nothing left to explain.
 const NOTHING_LEFT: f64 = 1e-9;

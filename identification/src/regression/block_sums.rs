@@ -1,4 +1,4 @@
-//! Least squares from sums over stretches of the capture: a further column costs little, and every stretch can be left out.
+//! Least squares from inner products over stretches of the capture: a further column costs little, and any stretch can be left out.
 
 use nalgebra::DMatrix;
 
@@ -41,10 +41,12 @@ impl BlockSums {
         Self { blocks: (0..BLOCKS).map(square).collect(), target, columns: Vec::new() }
     }
 
+    /// Number of columns.
     pub(crate) fn width(&self) -> usize {
         self.columns.len()
     }
 
+    /// Adds a column.
     pub(crate) fn push(&mut self, column: Vec<f64>) {
         self.columns.push(column);
         let Some(last) = self.columns.last() else { return };
@@ -53,13 +55,14 @@ impl BlockSums {
             let range = range(block, self.target.len());
             let part = &last[range.clone()];
             products.resize_mut(size, size, 0.0);
-            for (place, other) in [&self.target].into_iter().chain(&self.columns).enumerate() {
+            for (index, other) in [&self.target].into_iter().chain(&self.columns).enumerate() {
                 let product = dot(part, &other[range.clone()]);
-                (products[(size - 1, place)], products[(place, size - 1)]) = (product, product);
+                (products[(size - 1, index)], products[(index, size - 1)]) = (product, product);
             }
         }
     }
 
+    /// Drops all columns beyond the first `width`.
     pub(crate) fn truncate(&mut self, width: usize) {
         self.columns.truncate(width);
         self.blocks.iter_mut().for_each(|products| products.resize_mut(width + 1, width + 1, 0.0));
@@ -71,7 +74,7 @@ impl BlockSums {
     }
 
     /// Sum of squares that the chosen columns leave.
-    pub(crate) fn left(&self, chosen: &[usize]) -> Option<f64> {
+    pub(crate) fn squares_left(&self, chosen: &[usize]) -> Option<f64> {
         Some(self.solve_for(chosen)?.squares(&self.total()).max(0.0))
     }
 
@@ -112,6 +115,7 @@ impl BlockSums {
     }
 }
 
+/// Rows of a stretch.
 fn range(block: usize, rows: usize) -> std::ops::Range<usize> {
     block * rows / BLOCKS..(block + 1) * rows / BLOCKS
 }
