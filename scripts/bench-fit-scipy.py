@@ -95,7 +95,7 @@ for name, solve in (("numpy.linalg.lstsq", lstsq), ("normal equations", normal_e
         times, processor, outcome = timed(solve, threads)
         row = line(f"scipy, {name}, {outcome[1]} steps, {threads} thread{'s' if threads > 1 else ''}", times, processor, outcome[0])
         peers[name] = numpy.minimum(row, peers.get(name, row))
-own = line("fit, one thread", ours["all_seconds"], ours["processor_seconds"], ours["period_rad"])
+own = line("fit", ours["all_seconds"], ours["processor_seconds"], ours["period_rad"])
 for name, peer in peers.items():
     ratios = peer / own
     print(

@@ -6,11 +6,12 @@
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use common::{TABLE_2, Uniform, knob, sweep};
 use dynamics::Motion;
 use identification::{FitOptions, Samples, fit};
+use nix::time::ClockId;
 
 const RATE_HZ: f64 = 5000.0;
 /// Fits of the capture that scipy fits too.
@@ -93,9 +94,7 @@ fn timed(columns: &[Vec<f64>; 5], runs: u32) -> Result<(Vec<f64>, f64), Box<dyn 
 
 /// Time that a processor has spent on this thread, s; 0 where the system does not tell.
 fn processor_seconds() -> f64 {
-    let status = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanoseconds: Option<f64> = status.split_whitespace().next().and_then(|text| text.parse().ok());
-    nanoseconds.map_or(0.0, |nanoseconds| 1e-9 * nanoseconds)
+    ClockId::CLOCK_PROCESS_CPUTIME_ID.now().map_or(0.0, |time| Duration::from(time).as_secs_f64())
 }
 
 /// Most memory that this process ever held, KiB; 0 where the system does not tell.

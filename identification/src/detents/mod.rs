@@ -109,11 +109,17 @@ pub(crate) fn search<'a>(
     let amplitude_mnm = solution.coefficients[range.start].hypot(solution.coefficients[range.start + 1]);
     let after = dot(&solution.residual, &solution.residual);
     let share = 1.0 - after / left;
+    let detents = &problem.columns[range.clone()];
     // The background is read with the detent taken out, whose side lobes would else stand in it.
-    let rest = scan.powers(base, &solution.residual);
+    let ((rest, predicts), is_bend) = rayon::join(
+        || {
+            let evidence = held_out_evidence(&problem.columns, range.start, &problem.target);
+            (scan.powers(base, &solution.residual), evidence > PREDICTS)
+        },
+        || is_bend(base, &scan, detents, 1.0 / period_rad),
+    );
     let background = scan.background(&rest, 1.0 / period_rad);
     let clear = left - after > needed * background;
-    let predicts = held_out_evidence(&problem.columns, range.start, &problem.target) > PREDICTS;
     let periods = 1.0 / (period_rad * resolution);
     let few = periods < FEW_PERIODS;
     let null_test = scan.null_test(&rest, 1.0 / period_rad, if few { 0.0 } else { FEW_PERIODS });
@@ -126,12 +132,7 @@ pub(crate) fn search<'a>(
             (left - after) / null_test.max(f64::MIN_POSITIVE)
         ));
     }
-    let bends = bends(base);
-    let bent = LeastSquares::solve(&[&base.columns, &bends[..]].concat(), &base.target).residual;
-    let both = [&base.columns, &bends, &problem.columns[range]].concat();
-    let both = LeastSquares::solve(&both, &base.target).residual;
-    let beside_bends = dot(&bent, &bent) - dot(&both, &both);
-    if clear && beside_bends < BESIDE_BENDS * scan.null_test(&scan.powers(base, &both), 1.0 / period_rad, 0.0) {
+    if clear && is_bend {
         return Err(format!(
             "no detents that can be distinguished from a spring or from gravity, which leave nothing of the torque's \
              variation with the angle that the best period (P {period_rad:.4} rad, {periods:.1} of them in the travel) would explain; diagnose \
@@ -163,6 +164,18 @@ pub(crate) fn search<'a>(
     let harmonics = harmonics(&problem, &solution, [period_rad, shortest], background, evident);
     let is_unsettled = ended == Ended::OutOfSteps;
     Ok(Solved { problem, solution, no_detents: None, aliases_rad, harmonics, is_unsettled })
+}
+
+/// Whether springs and gravity, fitted beside the base model, leave little of what a detent of `wavenumber` explains with its columns.
+fn is_bend(base: &Problem<'_>, scan: &Scan, detent: &[Column], wavenumber: f64) -> bool {
+    let bends = bends(base);
+    let residual = |columns: &[&[Column]]| LeastSquares::solve(&columns.concat(), &base.target).residual;
+    let (without, with) = (residual(&[&base.columns, &bends]), residual(&[&base.columns, &bends, detent]));
+    let left = dot(&with, &with);
+    let explained = dot(&without, &without) - left;
+    let null_test = || scan.null_test(&scan.powers(base, &with), wavenumber, 0.0);
+    // No other period takes away more than is left.
+    explained < BESIDE_BENDS * left && explained < BESIDE_BENDS * null_test()
 }
 
 /// Rows of the position within the travel, from −1 to 1, its square and its cube, and of the angle's sine and cosine: what bends the torque over the travel and

@@ -8,10 +8,11 @@
 //! 1251–1271), the rest of the shift belongs into its interval.
 
 use nalgebra::{DMatrix, DVector, RowDVector};
+use rayon::prelude::*;
 
 use super::trimmed::{Rows, Trimmed};
 use crate::preparation::row_filter::{ROWS_PER_EDGE, row_low_pass};
-use crate::regression::least_squares::{LeastSquares, RobustCovariance};
+use crate::regression::least_squares::LeastSquares;
 use crate::regression::problem::Problem;
 use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, median};
 
@@ -32,9 +33,7 @@ pub(crate) struct Misfit {
 struct Shift {
     change: DVector<f64>,
     /// Covariance of the other estimates.
-    other: DMatrix<f64>,
-    /// … less that of the fit: Hausman's covariance of the difference.
-    difference: DMatrix<f64>,
+    covariance: DMatrix<f64>,
 }
 
 impl Shift {
@@ -44,7 +43,6 @@ impl Shift {
         trimmed: &Trimmed<'_>,
         Rows { columns, target }: &Rows,
         at_zero: &[bool],
-        robust: &RobustCovariance,
         change: impl Fn(&[f64]) -> Vec<f64>,
     ) -> Option<Self> {
         let solution = &trimmed.solution;
@@ -59,19 +57,19 @@ impl Shift {
         if (0..columns.len()).any(|index| is_fitted(index) && other.collinear[index]) {
             return None;
         }
-        let covariance = other.robust(&columns).matrix;
+        let covariance = other.robust_of_points(&columns, columns.len());
         let change = DVector::from_iterator(
             columns.len(),
             other.coefficients.iter().zip(&solution.coefficients).map(|(other, fitted)| other - fitted),
         );
-        Some(Self { change, difference: &covariance - &robust.matrix, other: covariance })
+        Some(Self { change, covariance })
     }
 }
 
 impl Misfit {
     /// Fits the settled problem's columns to the rows with those `near` standstill, to half their band and to the faster and the
     /// slower half of their motion.
-    pub(crate) fn of(trimmed: &Trimmed<'_>, near: Option<&Rows>, robust: &RobustCovariance) -> Self {
+    pub(crate) fn of(trimmed: &Trimmed<'_>, near: Option<&Rows>) -> Self {
         let at_zero = &trimmed.solution.at_zero;
         let is_held = at_zero.contains(&true);
         let Problem { motion, row_filter, target, .. } = &trimmed.problem;
@@ -79,29 +77,34 @@ impl Misfit {
             (0..target.len()).map(|row| motion.velocity_rad_s[row * row_filter.step].abs()).collect();
         let typical = median(&mut speeds.clone());
         let narrow = row_low_pass(NARROWER, ROWS_PER_EDGE);
-        let where_speed = |kept: &dyn Fn(f64) -> bool, rows: &[f64]| -> Vec<f64> {
-            rows.iter().zip(&speeds).map(|(value, speed)| if kept(*speed) { *value } else { 0.0 }).collect()
-        };
         let fitted = Rows { columns: trimmed.columns.clone(), target: trimmed.target.clone() };
         let rows = near.unwrap_or(&fitted);
-        let in_time = trimmed.without_refused_delay();
-        let shifts = [
-            in_time.and_then(|in_time| Shift::of(trimmed, &in_time, at_zero, robust, <[f64]>::to_vec)),
-            near.and_then(|near| Shift::of(trimmed, near, at_zero, robust, <[f64]>::to_vec)),
-            Shift::of(trimmed, rows, at_zero, robust, |rows| narrow.decimate(rows, EVERY)),
-            Shift::of(trimmed, rows, at_zero, robust, |rows| where_speed(&|speed| speed > typical, rows)),
-            Shift::of(trimmed, rows, at_zero, robust, |rows| where_speed(&|speed| speed <= typical, rows)),
+        let whole = |rows: &Rows| Shift::of(trimmed, rows, at_zero, <[f64]>::to_vec);
+        let where_speed = |is_kept: fn(f64, f64) -> bool| {
+            let kept = |rows: &[f64]| {
+                let with_speeds = rows.iter().zip(&speeds).filter(|(_, speed)| is_kept(**speed, typical));
+                with_speeds.map(|(value, _)| *value).collect()
+            };
+            Shift::of(trimmed, rows, at_zero, kept)
+        };
+        let fits: [&(dyn Fn() -> Option<Shift> + Sync); 5] = [
+            &|| trimmed.without_refused_delay().as_ref().and_then(whole),
+            &|| near.and_then(whole),
+            &|| Shift::of(trimmed, rows, at_zero, |rows| narrow.decimate(rows, EVERY)),
+            &|| where_speed(|speed, typical| speed > typical),
+            &|| where_speed(|speed, typical| speed <= typical),
         ];
         let is_free = vec![false; at_zero.len()];
-        let unbounded = is_held.then(|| Shift::of(trimmed, &fitted, &is_free, robust, <[f64]>::to_vec)).flatten();
-        Self { rows: shifts.into_iter().flatten().collect(), unbounded }
+        let unbounded = is_held.then(|| Shift::of(trimmed, &fitted, &is_free, <[f64]>::to_vec)).flatten();
+        Self { rows: fits.par_iter().filter_map(|fit| fit()).collect(), unbounded }
     }
 
-    /// How far Σ `derivatives`ⱼ·coefficientⱼ moves beyond chance.
-    pub(crate) fn of_sum(&self, derivatives: &RowDVector<f64>) -> f64 {
-        let variance = |covariance: &DMatrix<f64>| (derivatives * covariance).dot(derivatives);
-        let beyond = self.rows.iter().map(|Shift { change, other, difference }| {
-            let chance = variance(difference).max(LEAST_VARIANCE * variance(other));
+    /// How far Σ `derivatives`ⱼ·coefficientⱼ, of which the fit has the variance `fitted`, moves beyond chance.
+    pub(crate) fn of_sum(&self, derivatives: &RowDVector<f64>, fitted: f64) -> f64 {
+        let beyond = self.rows.iter().map(|Shift { change, covariance }| {
+            let other = (derivatives * covariance).dot(derivatives);
+            // Hausman's variance of the difference.
+            let chance = (other - fitted).max(LEAST_VARIANCE * other);
             (derivatives.transpose().dot(change).powi(2) - NORMAL_95.powi(2) * chance).max(0.0).sqrt()
         });
         beyond.fold(0.0, f64::max)
@@ -110,9 +113,9 @@ impl Misfit {
     /// Lowest and highest change of Σ `derivatives`ⱼ·coefficientⱼ in the 95 % interval of the fit without bounds; `None` where
     /// no coefficient is held at zero. What the bound takes from one coefficient it gives to others.
     pub(crate) fn without_bounds(&self, derivatives: &RowDVector<f64>, critical: f64) -> Option<[f64; 2]> {
-        let Shift { change, other, .. } = self.unbounded.as_ref()?;
+        let Shift { change, covariance } = self.unbounded.as_ref()?;
         let change = derivatives.transpose().dot(change);
-        let half = critical * deviation_of_sum(other, derivatives.as_slice());
+        let half = critical * deviation_of_sum(covariance, derivatives.as_slice());
         Some([change - half, change + half])
     }
 }

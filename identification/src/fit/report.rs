@@ -48,11 +48,11 @@ impl<'a> Report<'a> {
         calibration: Option<&'a Calibration>,
         near: Option<&Rows>,
     ) -> Self {
-        let mut robust = trimmed.solution.robust(&trimmed.columns);
+        let robust = || trimmed.solution.robust(&trimmed.columns);
+        let (mut robust, misfit) = rayon::join(robust, || Misfit::of(trimmed, near));
         if let Some(curves) = &trimmed.curves {
             robust.enlarge(curves.points.len());
         }
-        let misfit = Misfit::of(trimmed, near, &robust);
         Self { trimmed, band, calibration, robust, textbook: trimmed.solution.textbook_covariance(), misfit }
     }
 
@@ -130,7 +130,7 @@ impl<'a> Report<'a> {
             let critical = student_95(robust.degrees_of_freedom_of(&jacobian.row(position).transpose()));
             let derivatives = jacobian.row(position).into_owned();
             let by_chance = critical * variances[(position, position)].max(0.0).sqrt();
-            let half = by_chance.hypot(misfit.of_sum(&derivatives));
+            let half = by_chance.hypot(misfit.of_sum(&derivatives, variances[(position, position)]));
             let [below, above] = misfit.without_bounds(&derivatives, critical).unwrap_or([0.0; 2]);
             let half_textbook = NORMAL_95 * textbook[(position, position)].max(0.0).sqrt();
             let linear = (!searched_any && position < range.len()).then(|| range.start + position);
@@ -212,8 +212,8 @@ impl<'a> Report<'a> {
         let together = solution.coefficients[coulomb] + solution.coefficients[viscous] * speed_rad_s;
         let mut derivatives = RowDVector::zeros(columns.len());
         (derivatives[coulomb], derivatives[viscous]) = (1.0, speed_rad_s);
-        let by_chance = critical * deviation_of_sum(&self.robust.matrix, derivatives.as_slice());
-        let half = by_chance.hypot(self.misfit.of_sum(&derivatives));
+        let deviation = deviation_of_sum(&self.robust.matrix, derivatives.as_slice());
+        let half = (critical * deviation).hypot(self.misfit.of_sum(&derivatives, deviation.powi(2)));
         let [name, with] = if column == coulomb { [coulomb, viscous] } else { [viscous, coulomb] }
             .map(|column| self.column_name(column).unwrap_or_default());
         Some(format!(
