@@ -1,6 +1,6 @@
 //! What a fit tells: values with intervals, or why not.
 
-use serde::ser::{Serialize, SerializeMap, Serializer};
+use serde::ser::{Serialize, Serializer};
 
 use dynamics::{Axis, Effect, Model, Motion, ParameterKind, effects};
 
@@ -52,11 +52,7 @@ impl Parameters {
 
 impl Serialize for Parameters {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for parameter in &self.0 {
-            map.serialize_entry(parameter.name, parameter)?;
-        }
-        map.end()
+        serializer.collect_map(self.0.iter().map(|parameter| (parameter.name, parameter)))
     }
 }
 

@@ -38,6 +38,7 @@ mod preparation;
 mod quasi_static;
 mod regression;
 mod samples;
+mod sinusoids;
 mod uncertainty;
 
 pub use average::{Agreement, Average, Estimated, Repeatability, average};

@@ -1,4 +1,4 @@
-//! The samples of a capture, and why they may not do.
+//! The samples of a capture, and why they may be unfit for a fit.
 
 use crate::numerics::vector;
 use crate::preparation::uniform::typical_step;
@@ -18,8 +18,8 @@ pub struct Samples<'a> {
     pub torque_mnm: &'a [f64],
 }
 
-/// Rows of a capture, in an order of their own.
-pub(crate) struct Rows {
+/// Samples picked from a capture, in any order.
+pub(crate) struct PickedSamples {
     t_s: Vec<f64>,
     angle_rad: Vec<f64>,
     velocity_rad_s: Option<Vec<f64>>,
@@ -27,16 +27,16 @@ pub(crate) struct Rows {
     torque_mnm: Vec<f64>,
 }
 
-impl Rows {
-    /// The rows of `samples` at `places`.
-    pub(crate) fn of(samples: &Samples<'_>, places: &[usize]) -> Self {
-        let taken = |column: &[f64]| places.iter().map(|place| column[*place]).collect::<Vec<f64>>();
+impl PickedSamples {
+    /// The samples at these indices.
+    pub(crate) fn of(samples: &Samples<'_>, indices: &[usize]) -> Self {
+        let picked = |column: &[f64]| indices.iter().map(|index| column[*index]).collect::<Vec<f64>>();
         Self {
-            t_s: taken(samples.t_s),
-            angle_rad: taken(samples.angle_rad),
-            velocity_rad_s: samples.velocity_rad_s.map(taken),
-            acceleration_rad_s2: samples.acceleration_rad_s2.map(taken),
-            torque_mnm: taken(samples.torque_mnm),
+            t_s: picked(samples.t_s),
+            angle_rad: picked(samples.angle_rad),
+            velocity_rad_s: samples.velocity_rad_s.map(picked),
+            acceleration_rad_s2: samples.acceleration_rad_s2.map(picked),
+            torque_mnm: picked(samples.torque_mnm),
         }
     }
 
@@ -54,9 +54,9 @@ impl Rows {
 /// Fewest samples from which anything is fitted.
 pub const FEWEST_SAMPLES: usize = 200;
 
-/// Largest magnitude of a measured value, in the column's unit: squares and sums of more would not be finite for long.
+/// Largest magnitude of a measured value, in the column's unit: sums of larger ones' powers overflow.
 const LARGEST: f64 = 1e9;
-/// Longest capture, s: a day, and some. What goes on between two samples is simulated and drawn however far apart they are.
+/// Longest capture, s: a little more than a day. Simulations and plots also take the time between samples that lie far apart.
 const LONGEST_S: f64 = 1e5;
 /// Slowest rate of samples that are fitted, Hz.
 const SLOWEST_HZ: f64 = 0.001;
@@ -163,10 +163,11 @@ pub enum FitError {
 }
 
 impl Samples<'_> {
-    /// The samples in the order of time; `None` if they are in order, or not fit to be sorted.
+    /// The samples sorted by time; `None` if they are sorted already, or cannot be: for columns of different lengths, or a time
+    /// that is not a number.
     ///
-    /// Nothing is dropped: two samples of one time stay, for the check to find.
-    pub(crate) fn sorted(&self) -> Option<Rows> {
+    /// Two samples of one time both stay, for [`Samples::check`] to find.
+    pub(crate) fn sorted(&self) -> Option<PickedSamples> {
         let Samples { t_s, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm } = *self;
         let columns = [Some(angle_rad), velocity_rad_s, acceleration_rad_s2, Some(torque_mnm)];
         if vector::rises(t_s)
@@ -177,10 +178,10 @@ impl Samples<'_> {
         }
         let mut order: Vec<usize> = (0..t_s.len()).collect();
         order.sort_by(|a, b| t_s[*a].total_cmp(&t_s[*b]));
-        Some(Rows::of(self, &order))
+        Some(PickedSamples::of(self, &order))
     }
 
-    /// Checks lengths, numbers and time.
+    /// Checks that a fit can take the samples: columns of one length, finite numbers, time that rises, a motion and a torque.
     pub(crate) fn check(&self) -> Result<(), FitError> {
         let columns = [
             ("t_s", Some(self.t_s)),

@@ -30,24 +30,18 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
             .filter_map(|one| position(&one.names, name).map(|at| (one.values[at], one.covariance[(at, at)])))
             .collect()
     };
-    // A value without a variance counts like the best one; without any, all count alike.
-    let floors: Vec<f64> = names
-        .iter()
-        .map(|name| {
-            let known = estimated(name).iter().map(|one| one.1).filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
-            if known.is_finite() { known } else { 1.0 }
-        })
-        .collect();
+    let substitutes: Vec<f64> =
+        names.iter().map(|name| scalar::substitute(estimated(name).iter().map(|one| one.1))).collect();
     let scatter: Vec<f64> = names
         .iter()
-        .zip(&floors)
-        .map(|(name, floor)| {
+        .zip(&substitutes)
+        .map(|(name, substitute)| {
             let known: Vec<(f64, f64)> =
-                estimated(name).iter().map(|one| (one.0, if one.1 > 0.0 { one.1 } else { *floor })).collect();
+                estimated(name).iter().map(|one| (one.0, if one.1 > 0.0 { one.1 } else { *substitute })).collect();
             scalar::between(&known)
         })
         .collect();
-    let problem = Problem { names: &names, floors: &floors, observations };
+    let problem = Problem { names: &names, substitutes: &substitutes, observations };
     let none = vec![0.0; names.len()];
     let alike = problem.solve(&none, &none);
     let agreement = problem.agreement(&alike);
@@ -76,7 +70,7 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
 struct Problem<'a> {
     names: &'a [&'static str],
     /// Variance of each parameter where an observation has none; also its scale.
-    floors: &'a [f64],
+    substitutes: &'a [f64],
     observations: &'a [Observation],
 }
 
@@ -91,7 +85,7 @@ impl Problem<'_> {
         let places = self.places(observation);
         let variance = |at: usize| {
             let own = observation.covariance[(at, at)];
-            (if own > 0.0 { own } else { self.floors[places[at]] }) + scatter[places[at]]
+            (if own > 0.0 { own } else { self.substitutes[places[at]] }) + scatter[places[at]]
         };
         let count = places.len();
         let deviations = DVector::from_fn(count, |at, _| variance(at).sqrt());
@@ -111,7 +105,7 @@ impl Problem<'_> {
     /// `weighing` count in weights and covariance, `widening` in the covariance alone.
     fn solve(&self, weighing: &[f64], widening: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
         let count = self.names.len();
-        let scales: Vec<f64> = self.floors.iter().map(|floor| floor.sqrt()).collect();
+        let scales: Vec<f64> = self.substitutes.iter().map(|variance| variance.sqrt()).collect();
         // Relative to the first value that was told, so that phases and small periods keep their digits.
         let origin: Vec<f64> = (0..count)
             .map(|at| {

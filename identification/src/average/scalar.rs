@@ -15,15 +15,20 @@ pub struct Estimated {
 
 /// The weighted mean of values with half widths, scatter between them included.
 pub(crate) fn combined(estimated: &[(f64, f64)]) -> Estimated {
-    let smallest = estimated.iter().map(|one| one.1).filter(|half| *half > 0.0).fold(f64::INFINITY, f64::min);
-    // A value without an interval counts like the best one; without any, all count alike.
-    let floor = if smallest.is_finite() { smallest } else { 1.0 };
+    let variances = || estimated.iter().map(|one| (one.1 / NORMAL_95).powi(2));
+    let substitute = substitute(variances());
     let known: Vec<(f64, f64)> =
-        estimated.iter().map(|one| (one.0, ((if one.1 > 0.0 { one.1 } else { floor }) / NORMAL_95).powi(2))).collect();
+        estimated.iter().zip(variances()).map(|(one, own)| (one.0, if own > 0.0 { own } else { substitute })).collect();
     let between = between(&known);
     let (value, total) = weighted(&known, between);
-    let uncertain = smallest.is_finite() || between > 0.0;
-    Estimated { value, half_width: if uncertain { NORMAL_95 / total.sqrt() } else { 0.0 } }
+    let is_uncertain = between > 0.0 || variances().any(|own| own > 0.0);
+    Estimated { value, half_width: if is_uncertain { NORMAL_95 / total.sqrt() } else { 0.0 } }
+}
+
+/// The variance of a value that has none: it counts like the best one; without any, all count alike.
+pub(super) fn substitute(variances: impl Iterator<Item = f64>) -> f64 {
+    let least = variances.filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 1.0 }
 }
 
 /// Variance from one value to the next that their own variances do not explain, zero if they do, after

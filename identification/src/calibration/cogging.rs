@@ -18,10 +18,10 @@ use super::friction::motors_share_mnm;
 use super::regression::Band;
 use crate::Samples;
 use crate::estimate::Harmonic;
-use crate::preparation::motion::gradient;
+use crate::numerics::derivative::gradient;
 use crate::preparation::uniform::{Uniform, whole};
-use crate::quasi_static;
 use crate::samples::{FEWEST_SAMPLES, span};
+use crate::sinusoids::matching_pursuit;
 use crate::uncertainty::statistics::median;
 
 /// Band in which torque is compared with angle, Hz: well below the resonance of rotor and gripper.
@@ -86,7 +86,7 @@ pub fn cogging(
     }
     let motors_mnm = at_rows(&|row| torque_mnm[row] - known.motor_inertia * acceleration[row]);
     let finest = FINEST * edge_hz * TAU / speed_rad_s;
-    let found = quasi_static::of_turns(base, &at_rows(&|row| angle_rad[row]), motors_mnm, finest)
+    let found = matching_pursuit::of_turns(base, &at_rows(&|row| angle_rad[row]), motors_mnm, finest)
         .ok_or_else(|| refused("friction and torques of the angle cannot be separated".to_owned()))?;
     let mut notes = Vec::new();
     if found.is_empty() {

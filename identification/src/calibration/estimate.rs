@@ -1,4 +1,4 @@
-//! What a calibration tells, and why it may not.
+//! The result of a calibration, and why there may be none.
 
 use dynamics::{Calibration, CoggingHarmonic};
 
@@ -32,10 +32,10 @@ pub struct CoggingEstimate {
     pub phase_half_width_rad: f64,
 }
 
-/// What a calibration learnt.
+/// The result of a calibration.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Calibrated {
-    /// The quantities that it tells.
+    /// The quantities that it estimates.
     pub estimates: Vec<Estimate>,
     /// The motor's cogging, strongest harmonic first; `None` where it was not looked for.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -51,13 +51,13 @@ impl Calibrated {
         self.estimates.iter().find(|estimate| estimate.quantity == quantity)
     }
 
-    /// A calibration with what was learnt in place of what was known.
+    /// A calibration with these estimates in place of its own values.
     #[must_use]
     pub fn applied_to(&self, known: &Calibration) -> Calibration {
         let mut calibration = known.clone();
         for estimate in &self.estimates {
-            if let Some(slot) = slot(&mut calibration, estimate.quantity) {
-                *slot = estimate.value;
+            if let Some(field) = field(&mut calibration, estimate.quantity) {
+                *field = estimate.value;
             }
         }
         if let Some(cogging) = &self.cogging {
@@ -76,8 +76,8 @@ impl Calibrated {
     }
 }
 
-/// The field of a calibration that has the given key, if a calibration command can tell it.
-fn slot<'a>(calibration: &'a mut Calibration, quantity: &str) -> Option<&'a mut f64> {
+/// The field of a calibration with this key, if it is one that is estimated.
+fn field<'a>(calibration: &'a mut Calibration, quantity: &str) -> Option<&'a mut f64> {
     Some(match quantity {
         "gripper_inertia" => &mut calibration.gripper_inertia,
         "torque_zero_mnm" => &mut calibration.torque_zero_mnm,
@@ -94,7 +94,7 @@ fn slot<'a>(calibration: &'a mut Calibration, quantity: &str) -> Option<&'a mut 
     })
 }
 
-/// Why a capture does not calibrate anything.
+/// Why a capture calibrates nothing.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CalibrateError {
     /// Not a capture at all, or one that cannot be fitted.

@@ -18,7 +18,7 @@ pub fn gripper(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     let calibration = Calibration { gripper_inertia: 0.0, ..known.clone() };
     let options = FitOptions { calibration: Some(calibration), without_detents: true, ..FitOptions::default() };
     let fitted = fit(samples, &options)?;
-    let (value, [low, high]) = told(&fitted, "gripper", "inertia")?;
+    let (value, [low, high]) = identified(&fitted, "gripper", "inertia")?;
     let friction_mnm = ["coulomb_negative", "coulomb_positive"]
         .iter()
         .filter_map(|name| fitted.parameters.get(name)?.value)
@@ -55,7 +55,7 @@ pub fn friction(
     let motor = Samples { torque_mnm: &taken_mnm, acceleration_rad_s2: None, velocity_rad_s: None, ..*samples };
     let fitted = fit(&motor, &FitOptions { without_detents: true, ..FitOptions::default() })?;
     let estimated = |quantity: &'static str| {
-        told(&fitted, "motor", quantity).map(|(value, [low, high])| (value, 0.5 * (high - low)))
+        identified(&fitted, "motor", quantity).map(|(value, [low, high])| (value, 0.5 * (high - low)))
     };
     let mean = |[first, second]: [(f64, f64); 2]| (0.5 * (first.0 + second.0), 0.5 * first.1.hypot(second.1));
     let (inertia, inertia_half) = estimated("inertia")?;
@@ -81,7 +81,7 @@ pub fn friction(
     })
 }
 
-/// What of the command does not reach the torque sensor, sample by sample, mNm: the motor takes it.
+/// The commanded torque that does not reach the torque sensor, but turns the motor itself, sample by sample, mNm.
 pub(super) fn motors_share_mnm(
     samples: &Samples<'_>,
     commanded_mnm: &[f64],
@@ -97,7 +97,7 @@ pub(super) fn motors_share_mnm(
 }
 
 /// A fitted value with its 95 % interval.
-fn told(fitted: &Fit, part: &'static str, quantity: &'static str) -> Result<(f64, [f64; 2]), CalibrateError> {
+fn identified(fitted: &Fit, part: &'static str, quantity: &'static str) -> Result<(f64, [f64; 2]), CalibrateError> {
     let parameter = fitted.parameters.get(quantity);
     parameter.and_then(|parameter| parameter.value.zip(parameter.ci95)).ok_or_else(|| {
         let reason = parameter.and_then(|parameter| parameter.reason.clone()).unwrap_or_default();

@@ -14,8 +14,8 @@ use dynamics::Calibration;
 use super::estimate::{CalibrateError, Calibrated, Estimate};
 use super::regression::Band;
 use crate::Samples;
+use crate::numerics::derivative::gradient;
 use crate::preparation::compliance::knob_angle_rad;
-use crate::preparation::motion::gradient;
 use crate::preparation::uniform::Uniform;
 use crate::samples::span;
 

@@ -16,10 +16,11 @@ use dynamics::Calibration;
 use super::estimate::{CalibrateError, Calibrated, Estimate, check_command};
 use super::regression::{Band, Solved, UNEXPLAINED};
 use crate::Samples;
+use crate::numerics::derivative::gradient;
+use crate::numerics::interpolation::advance;
 use crate::preparation::compliance::knob_angle_rad;
-use crate::preparation::motion::gradient;
 use crate::preparation::spectrum::Spectrum;
-use crate::preparation::uniform::{Uniform, advance};
+use crate::preparation::uniform::Uniform;
 use crate::uncertainty::statistics::rms;
 
 /// The band reaches to this multiple of the frequency below which the motion's power lies …
@@ -30,9 +31,9 @@ const LOWEST_EDGE_HZ: f64 = 25.0;
 const LONGEST_DELAY_S: f64 = 0.1;
 /// Rounds of taking gravity or friction at the delayed motion.
 const ROUNDS: usize = 3;
-/// Half widths of its interval by which friction differs from zero for sure.
-const SURELY: f64 = 2.0;
-/// Share of the torque from which on friction behind the sensor is worth a word.
+/// Half widths of their intervals by which coefficients of friction must differ from zero to be kept.
+const SIGNIFICANT: f64 = 2.0;
+/// Share of the torque from which friction behind the sensor is worth a note.
 const MUCH_FRICTION: f64 = 0.05;
 
 /// Fits the delays to a capture of the gripper alone (or any inertia without detents; friction behind the sensor is fitted with it).
@@ -134,7 +135,7 @@ fn unexplained(channel: &'static str, solved: &Solved) -> Option<CalibrateError>
     solved.unexplained(channel, "the motion of an inertia makes of it", remedy)
 }
 
-/// A relation of which a part is taken at the delayed motion, which the relation itself tells.
+/// Solves a relation of which a part depends on the delay that the relation itself gives, by a few rounds.
 fn at_its_delay(first_s: f64, relation: impl Fn(f64) -> Solved) -> Solved {
     let mut solved = relation(first_s);
     for _ in 1..ROUNDS {
@@ -166,7 +167,7 @@ fn torque_relation(
     let is_significant = |place: &usize| {
         let mut derivatives = vec![0.0; columns.len() + 2];
         derivatives[*place] = 1.0;
-        solved.coefficients[*place].abs() > SURELY * solved.half_width(&derivatives)
+        solved.coefficients[*place].abs() > SIGNIFICANT * solved.half_width(&derivatives)
     };
     // Where there is none, its columns would only widen the interval.
     if !places.iter().any(is_significant) {

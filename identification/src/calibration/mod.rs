@@ -1,7 +1,6 @@
 //! Calibrating a rig from captures: zeros, gravity, the gripper's inertia, the channels' delays, the motor's cogging and friction.
 //!
-//! Each calibration takes a capture made for it and what is known so far, and gives what it learnt as
-//! [`Estimate`]s with 95 % intervals:
+//! Each calibration takes a capture made for it and the calibration so far, and returns [`Estimate`]s with 95 % intervals:
 //!
 //! | calibration | the capture | what it tells |
 //! |---|---|---|
@@ -13,8 +12,8 @@
 //! | [`cogging`] | the gripper alone turned slowly both ways, with what was commanded | the motor's cogging |
 //! | [`friction`] | the gripper alone under a sweep, with what was commanded | the motor's inertia and friction |
 //!
-//! They build on one another in this order. A capture is taken as the sensors gave it: whatever a
-//! calibration is to find is never corrected by what was believed before.
+//! They build on one another in this order. A quantity that a calibration is to find is never corrected in its capture by an
+//! earlier value.
 
 mod cogging;
 mod combine;

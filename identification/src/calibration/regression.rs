@@ -1,19 +1,19 @@
-//! A linear relation between signals of a capture, solved in a band, with intervals that hold.
+//! A linear relation between signals of a capture, solved in a band, with robust intervals.
 
 use super::estimate::CalibrateError;
-use crate::preparation::motion::{ROWS_PER_EDGE, low_pass};
-use crate::preparation::uniform::whole;
+use crate::preparation::filter::low_pass;
+use crate::preparation::row_filter::row_step;
 use crate::regression::least_squares::{LeastSquares, RobustCovariance};
 use crate::uncertainty::statistics::{MEDIAN_MAGNITUDE, deviation_of_sum, median, rms, student_95};
 
 /// Rows further from the relation than this many standard deviations are left out: a knob that breaks
 /// loose shakes the rig.
 const OUTLIER: f64 = 5.0;
-/// Rounds after which the outliers are what they are.
+/// Most rounds of leaving out outliers.
 const ROUNDS: usize = 5;
-/// Share of a channel that may be something else.
+/// Share of a channel that the relation may leave unexplained.
 pub(super) const UNEXPLAINED: f64 = 0.5;
-/// Time at each end that the filter needs to settle, in periods of the band's edge.
+/// Time at each end in which the filter settles, in periods of the band's edge.
 const SETTLING: f64 = 2.0;
 
 /// The band in which a relation is solved.
@@ -57,7 +57,7 @@ impl Band {
 
     /// Solves for columns and a target that lie in the band already.
     pub(super) fn solve(&self, columns: &[Vec<f64>], target: &[f64]) -> Solved {
-        let step = whole(self.rate_hz / (ROWS_PER_EDGE * self.edge_hz)).max(1);
+        let step = row_step(self.edge_hz, self.rate_hz);
         let settling = ((SETTLING * self.rate_hz / self.edge_hz) as usize).min(target.len() / 4);
         let rows = |signal: &[f64]| -> Vec<f64> {
             signal[settling..signal.len() - settling].iter().step_by(step).copied().collect()

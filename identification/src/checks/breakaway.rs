@@ -9,17 +9,17 @@ use crate::uncertainty::statistics::mean;
 
 /// Shortest rest before a breakaway, s.
 const REST_S: f64 = 0.020;
-/// … and samples: fewer are the turning point of a motion.
+/// … and fewest samples: the turning point of a motion has fewer.
 const FEWEST_AT_REST: usize = 5;
-/// The torque on a resting knob rises by this share of the breakaway's: on one that turns back it is at its peak all along.
+/// Share of the breakaway's torque by which it rises during the rest: where a moving knob turns back it hardly does.
 const RISE: f64 = 0.05;
-/// A knob that has left its rest by this much has broken away, in encoder steps …
+/// Distance from its rest at which a knob has left it, in encoder steps …
 const AWAY_STEPS: f64 = 6.0;
 /// … or rad, where the encoder's step is not known.
 const AWAY_RAD: f64 = 1e-4;
-/// How soon after leaving its rest it must be ten times as far, s: a breakaway, not a creep.
+/// Time after that in which it must be ten times as far, s: else it creeps.
 const SOON_S: f64 = 0.030;
-/// Time before the knob is seen to move from which the torque at breakaway is read, s.
+/// Time before the knob leaves its rest in which the torque's peak is looked for, s.
 const READ_S: f64 = 0.004;
 /// Time over which the torque is averaged before its peak is taken, s.
 const AVERAGE_S: f64 = 0.001;
@@ -31,7 +31,7 @@ pub struct Breakaway {
     pub t_s: f64,
     /// Angle at which the knob rested, rad.
     pub angle_rad: f64,
-    /// Whither it broke away.
+    /// Direction in which it broke away.
     pub direction: Direction,
     /// Torque on it as it broke away, sensor's zero taken out, mNm; detents included.
     pub torque_mnm: f64,

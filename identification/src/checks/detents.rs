@@ -4,14 +4,15 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use dynamics::Direction;
 
+use crate::preparation::uniform::typical_step;
 use crate::samples::{FitError, Samples, span};
 use crate::uncertainty::statistics::{mean, median, running, runs, student_95, without_line};
 
-/// Agreement of the two directions' torques over angle from which they show detents, as a correlation.
+/// Correlation of the two directions' torques over angle from which they show detents.
 const REPEATS: f64 = 0.5;
 /// Scatter of the detents' distances, relative to their mean, beyond which they are no detents.
 const UNEVEN: f64 = 0.3;
-/// Most turns over which detents are counted; each takes memory, and ten would do.
+/// Most turns over which detents are counted: each takes memory.
 const MOST_TURNS: f64 = 1000.0;
 /// Fewest bins that both directions must have passed.
 const FEWEST_BINS: usize = 100;
@@ -25,7 +26,7 @@ const HYSTERESIS: f64 = 0.4;
 const MEDIAN_REACH: usize = 2;
 /// … and over which it is then averaged before it is counted.
 const MEAN_REACH: usize = 1;
-/// Longest hole in the passed angles that is bridged, bins: 2°.
+/// Longest run of bins without samples that is bridged: 2°.
 const LONGEST_BRIDGE: usize = 8;
 
 /// Detents counted over the angle.
@@ -151,11 +152,10 @@ impl Profile {
         let bin = |angle: f64| ((angle - lowest) / width) as usize;
         let bins = (span(samples.angle_rad) / width) as usize + 1;
         let (mut sums, mut counts) = ([vec![0.0; bins], vec![0.0; bins]], [vec![0.0; bins], vec![0.0; bins]]);
-        // The direction of a sample is that in which the knob leaves its bin's neighbourhood, not that of encoder steps.
+        // The direction changes once the knob has come back by two bins: noise of the encoder does not change it.
         let mut turning_point = samples.angle_rad[0];
         let mut direction = None;
-        let mut steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let step_s = median(&mut steps);
+        let (step_s, _) = typical_step(samples.t_s);
         let (mut previous_s, mut caught_up_s) = (samples.t_s[0], samples.t_s[0]);
         for ((time_s, angle), torque) in samples.t_s.iter().zip(samples.angle_rad).zip(samples.torque_mnm) {
             if time_s - previous_s > 1.5 * step_s {
@@ -237,7 +237,7 @@ impl Profile {
     }
 }
 
-/// The values with short holes bridged by straight lines: missed ticks and slips leave such.
+/// The values with short gaps, as missed ticks and slips leave them, bridged by straight lines.
 fn bridged(values: &[Option<f64>]) -> Vec<Option<f64>> {
     let mut bridged = values.to_vec();
     let mut before: Option<(usize, f64)> = None;

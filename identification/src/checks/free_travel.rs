@@ -9,15 +9,15 @@ use crate::uncertainty::statistics::mean;
 
 /// Time over which torque and angle are averaged, s.
 const BIN_S: f64 = 0.005;
-/// Shortest free travel, s: longer than any slip, which a breakaway throws forward.
+/// Shortest free travel, s: longer than the slip after a breakaway.
 const LEAST_S: f64 = 0.1;
-/// A torque below this share of the capture's largest is next to none: a knob's own friction shows in more.
+/// Share of the capture's largest torque below which there is next to none: a knob's own friction is more.
 const NEXT_TO_NONE: f64 = 0.01;
-/// Contact: this many times the torque of free travel …
+/// Contact is this many times the torque of free travel …
 const CONTACT: f64 = 10.0;
-/// … within this share of the way that was free. A detent's torque rises over its whole width instead.
+/// … within this share of the free travel beyond its end: a detent's torque rises over its whole width instead.
 const WITHIN: f64 = 0.5;
-/// A bin's way may differ from its neighbour's by this factor: a creeping motor turns evenly, a slip does not.
+/// Factor by which neighbouring bins' steps may differ: a creeping motor turns evenly, a slip does not.
 const EVEN: f64 = 4.0;
 
 /// One stretch of free travel.
@@ -105,14 +105,14 @@ impl Bins {
         end
     }
 
-    /// Whether something held the knob just behind or just beyond a free way.
+    /// Whether something held the knob just before the start or just beyond the end of a free travel.
     fn touches(&self, start: usize, end: usize) -> bool {
         let travel = self.angle_rad[end] - self.angle_rad[start];
-        let near =
+        let is_near =
             |bin: usize, edge: usize| (self.angle_rad[bin] - self.angle_rad[edge]).abs() <= WITHIN * travel.abs();
         let holds = |bin: usize, sign: f64| sign * self.torque_mnm[bin] >= CONTACT * self.little_mnm;
-        let beyond = (end..self.angle_rad.len()).take_while(|bin| near(*bin, end));
-        let behind = (0..=start).rev().take_while(|bin| near(*bin, start));
+        let beyond = (end..self.angle_rad.len()).take_while(|bin| is_near(*bin, end));
+        let behind = (0..=start).rev().take_while(|bin| is_near(*bin, start));
         beyond.into_iter().any(|bin| holds(bin, travel.signum()))
             || behind.into_iter().any(|bin| holds(bin, -travel.signum()))
     }

@@ -1,17 +1,16 @@
 //! Whether there are detents at all, and of which period.
 
-pub(crate) mod scan;
-
 use dynamics::{Effect, effects};
 
-use self::scan::{FEWEST_PERIODS, Scan};
 use crate::estimate::Harmonic;
 use crate::numerics::vector::{self, dot};
-use crate::preparation::motion::Band;
+use crate::preparation::band::Band;
 use crate::regression::gram::held_out_evidence;
 use crate::regression::least_squares::LeastSquares;
 use crate::regression::problem::{Column, Problem};
 use crate::regression::refiner::Ended;
+use crate::sinusoids::scan::Scan;
+use crate::sinusoids::{FEWEST_PERIODS, MARGIN, PREDICTS, threshold};
 use crate::uncertainty::statistics::rms;
 
 /// Peaks of the scan that are refined, at most, …
@@ -22,10 +21,6 @@ const RIVAL: f64 = 0.5;
 pub(crate) const WORTHWHILE_SHARE: f64 = 0.25;
 /// … or have this amplitude relative to the RMS of the torque: less is a ripple, felt by nobody.
 pub(crate) const WORTHWHILE_AMPLITUDE: f64 = 0.1;
-/// How far above the background the evidence for a period must stand beyond what the number of periods tried gives by chance.
-pub(crate) const MARGIN: f64 = 6.0;
-/// Standard errors by which a sinusoid must predict stretches of the capture that it was not fitted to.
-pub(crate) const PREDICTS: f64 = 3.0;
 /// A detent must take away this many times what the null test does: the best other period, one further true
 /// sinusoid being granted, in what the detent leaves …
 const NULL_TEST: f64 = 2.0;
@@ -35,17 +30,17 @@ const NULL_TEST_OF_FEW: f64 = 20.0;
 const BESIDE_BENDS: f64 = 10.0;
 /// A spring of any stiffness up to the third power of its deflection, and gravity.
 const BENDS: usize = 5;
-/// So many periods are few.
+/// Periods in the travel that are few.
 const FEW_PERIODS: f64 = 3.0;
-/// Margin for harmonics in the residual.
+/// Multiple of the noise's variance that a harmonic in the residual must take off.
 const HARMONIC_MARGIN: f64 = 14.0;
 /// A harmonic explains at least this share of the residual's sum of squares.
 const HARMONIC_SHARE: f64 = 0.01;
-/// A harmonic is looked at closely if the scan shows what it must explain divided by this.
+/// A harmonic is fitted if the scan shows at least what it must explain divided by this.
 const HARMONIC_LOOK: f64 = 2.0;
 /// Overtones are looked for up to this multiple of the detent.
 const HIGHEST_OVERTONE: u32 = 12;
-/// A period that explains less than this and does not stand out roughly is not looked at closely.
+/// A period that explains less than this share, and whose first fit does not stand out, is refined no further.
 const CLEARLY_NOT: f64 = 0.05;
 /// A model that leaves less than this share of the torque has nothing left to explain.
 const NOTHING_LEFT: f64 = 1e-9;
@@ -102,7 +97,7 @@ pub(crate) fn search<'a>(
     let Some((close, mut problem, solution)) = best else {
         return Err(no_detents(longest, shortest));
     };
-    let needed = 2.0 * scan.independent().ln() + MARGIN;
+    let needed = threshold(scan.independent(), MARGIN);
     let rough = needed * scan.background(&powers, 1.0 / problem.effects[problem.effects.len() - 1].values()[1]);
     if 1.5 * (left - close) < rough && left - close < CLEARLY_NOT * left {
         return Err(no_detents(longest, shortest));

@@ -11,9 +11,7 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 use rayon::prelude::*;
 
 use super::trimmed::{Rows, Trimmed};
-use crate::preparation::filter::Fir;
-use crate::preparation::motion::ROWS_PER_EDGE;
-use crate::preparation::row_filter::HALF_LENGTH_PERIODS;
+use crate::preparation::row_filter::{ROWS_PER_EDGE, row_low_pass};
 use crate::regression::least_squares::LeastSquares;
 use crate::regression::problem::Problem;
 use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, median};
@@ -78,8 +76,7 @@ impl Misfit {
         let speeds: Vec<f64> =
             (0..target.len()).map(|row| motion.velocity_rad_s[row * row_filter.step].abs()).collect();
         let typical = median(&mut speeds.clone());
-        let narrow =
-            Fir::low_pass((HALF_LENGTH_PERIODS * ROWS_PER_EDGE / NARROWER).round() as usize, NARROWER, ROWS_PER_EDGE);
+        let narrow = row_low_pass(NARROWER, ROWS_PER_EDGE);
         let fitted = Rows { columns: trimmed.columns.clone(), target: trimmed.target.clone() };
         let rows = near.unwrap_or(&fitted);
         let whole = |rows: &Rows| Shift::of(trimmed, rows, at_zero, <[f64]>::to_vec);

@@ -10,8 +10,9 @@ use crate::karnopp::Stick;
 use crate::numerics::vector;
 use crate::options::{FitOptions, PreparationMethod};
 use crate::preparation::Prepared;
+use crate::preparation::band::Band;
 use crate::preparation::encoder_step::encoder_step;
-use crate::preparation::motion::{Band, KnobMotion};
+use crate::preparation::motion::KnobMotion;
 use crate::preparation::row_filter::RowFilter;
 use crate::preparation::uniform::Uniform;
 use crate::regression::characteristic::{CurveProjection, Measured, Places, measure};
@@ -130,7 +131,7 @@ impl<'a> Prepared<'a> {
         }
         // Rows beside measured curves are freed of what the curves do at their own samples.
         let can_be_wider = options.preparation == PreparationMethod::Automatic && trimmed.curves.is_none();
-        let near = can_be_wider.then(|| row_filter.next_to_standstill(uniform, motion)).flatten();
+        let near = can_be_wider.then(|| row_filter.next_to_turning_points(uniform, motion)).flatten();
         let near = near.map(|near| trimmed.with_rows_of(&near, band, torque_mnm));
         let mut fit = Report::new(&trimmed, band, calibration, near.as_ref()).fit(no_detents);
         Stick::of(uniform, motion, &fit.effects).report(&mut fit.parameters, &mut fit.effects);

@@ -9,7 +9,7 @@ use super::misfit::Misfit;
 use super::trimmed::{RefusedDelay, Rows, Trimmed};
 use crate::estimate::{Covariance, Fit, Parameter, Parameters, Point};
 use crate::numerics::vector::{self, dot};
-use crate::preparation::motion::Band;
+use crate::preparation::band::Band;
 use crate::regression::least_squares::RobustCovariance;
 use crate::regression::problem::Problem;
 use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, mean, plus_minus, rms, student_95};

@@ -3,7 +3,7 @@
 use dynamics::{Effect, Part};
 
 use crate::numerics::vector::dot;
-use crate::preparation::motion::Band;
+use crate::preparation::band::Band;
 use crate::preparation::row_filter::RowFilter;
 use crate::regression::characteristic::CurveProjection;
 use crate::regression::gram::Correction;

@@ -20,16 +20,16 @@ use slide::{Border, Side, Slide};
 
 /// Shortest rest that counts, s.
 const REST_S: f64 = 0.004;
-/// Time on either side of the end of a rest in which the border is looked for, s.
+/// Time on either side of the end of a rest in which the instant of breakaway or arrival is looked for, s.
 const BORDER_S: f64 = 0.003;
 /// Length of the ramp that is read, s: three periods of the 1 kHz with which a shaft rings.
 const RAMP_S: f64 = 0.003;
-/// Length of a second reading, s: what the two differ by is what a parabola lacks.
+/// Length of a second reading, s: the difference of both shows what a parabola cannot follow.
 const SHORTER_RAMP_S: f64 = 0.002;
 /// Fewest samples of a ramp or on either side of a border.
 const FEWEST_SAMPLES: usize = 12;
-/// Time that the shaft is given to calm down after the knob came to rest, s.
-const CALM_S: f64 = 0.001;
+/// Time in which the shaft stops ringing after the knob came to rest, s.
+const RINGING_S: f64 = 0.001;
 /// Fewest readings from which a value is given.
 const FEWEST_READINGS: usize = 3;
 /// Speed at rest, in standard deviations of the velocity's noise.
@@ -40,20 +40,20 @@ const SPAN: f64 = 6.0;
 /// What rounding does to an angle without noise, rad.
 const ROUNDING_RAD: f64 = 1e-9;
 
-/// The rests of a capture and what their ends tell.
+/// Readings at the ends of a capture's rests.
 pub(crate) struct Stick {
     /// Torques at breakaway in the negative direction, magnitudes, mNm.
     negative_mnm: Readings,
     positive_mnm: Readings,
     /// Speeds at which the knob came to rest, rad/s.
     arrivals_rad_s: Readings,
-    /// Speed below which this capture cannot identify motion from rest, rad/s.
+    /// Speed below which this capture cannot distinguish motion from rest, rad/s.
     resolved_rad_s: f64,
     rests: usize,
 }
 
 impl Stick {
-    /// Looks for rests and at their ends; `fitted` is what has been fitted so far.
+    /// Finds the rests and reads torque and speed at their ends; `fitted` are the effects fitted so far.
     pub(crate) fn of(uniform: &Uniform, motion: &KnobMotion, fitted: &[Effect]) -> Self {
         let rate_hz = uniform.rate_hz;
         let samples = |time_s: f64| ((time_s * rate_hz).round() as usize).max(FEWEST_SAMPLES);
@@ -83,7 +83,7 @@ impl Stick {
                 stick.arrivals_rad_s.push(arrival.speed_rad_s, arrival.speed_rad_s + unsure_rad_s);
             }
             let Some(away) = slide.border(&rest, Side::After, samples(BORDER_S)) else { continue };
-            let read = |time_s: f64| breakaway(uniform, &slide, &rest, &away, samples(time_s), CALM_S * rate_hz);
+            let read = |time_s: f64| breakaway(uniform, &slide, &rest, &away, samples(time_s), RINGING_S * rate_hz);
             if let (Some(torque_mnm), Some(shorter_mnm)) = (read(RAMP_S), read(SHORTER_RAMP_S)) {
                 let readings = match away.direction {
                     Direction::Negative => &mut stick.negative_mnm,
@@ -95,7 +95,7 @@ impl Stick {
         stick
     }
 
-    /// Adds D₋, D₊ and Δv to the parameters, and the effect itself to `effects` if a direction could be estimated.
+    /// Adds D₋, D₊ and Δv to the parameters, and the effect itself to `fitted` if a direction could be estimated.
     pub(crate) fn report(self, parameters: &mut Parameters, fitted: &mut Vec<Effect>) {
         let [negative, positive, speed] = [0, 1, 2].map(|index| &effects::karnopp_stick::KIND.parameters[index]);
         let estimated = [
@@ -153,9 +153,9 @@ fn breakaway(
     rest: &Range<usize>,
     away: &Border,
     length: usize,
-    calm: f64,
+    ringing: f64,
 ) -> Option<f64> {
-    let long_enough = away.instant - rest.start as f64 > length as f64 + calm;
+    let long_enough = away.instant - rest.start as f64 > length as f64 + ringing;
     if !long_enough {
         return None;
     }
@@ -213,7 +213,7 @@ fn ramp_end(received_mnm: &[f64], delay: f64, instant: f64, length: usize) -> Op
 #[derive(Clone, Debug, Default)]
 struct Readings {
     values: Vec<f64>,
-    /// The same read in another way.
+    /// The same quantities read in a second way, whose difference shows the error of reading.
     others: Vec<f64>,
 }
 
@@ -225,10 +225,10 @@ impl Readings {
 
     /// Mean and interval; `why` says why there is none.
     ///
-    /// The readings' scatter counts with Student's quantile. What the way of reading does to all of them alike the mean
-    /// does not take off: the means of both ways differ by it, and it counts as an error anywhere between plus and
-    /// minus that difference, whose standard deviation is a √3-th of it (Guide to the Expression of Uncertainty in
-    /// Measurement, 4.3.7). The textbook's interval is the scatter alone.
+    /// The scatter counts with Student's quantile. The error that all readings share does not average out: it is taken to lie
+    /// anywhere between plus and minus the difference of the two ways' means, so that its standard deviation is that
+    /// difference over √3 (Guide to the Expression of Uncertainty in Measurement, 4.3.7). The textbook's interval is the
+    /// scatter alone.
     fn parameter(&self, kind: &ParameterKind, why: impl FnOnce() -> String) -> Parameter {
         if self.values.len() < FEWEST_READINGS {
             return Parameter::not_identifiable(kind, why());

@@ -22,15 +22,15 @@ const LACKING: f64 = 1e-3;
 /// A knob that moved less than this many standard deviations cannot be timed.
 const MOVED: f64 = 20.0;
 
-/// What knob and sensors did.
+/// The capture and the fitted effects from which trajectories are computed.
 pub(super) struct Slide<'a> {
     /// Angle of the knob, not filtered, rad.
     pub(super) angle_rad: &'a [f64],
     /// Standard deviation of its noise, rad.
     pub(super) noise_rad: f64,
-    /// Torque on the knob, its delay taken out, mNm.
+    /// Torque on the knob without its delay, mNm.
     pub(super) torque_mnm: &'a [f64],
-    /// What was fitted.
+    /// The effects fitted so far.
     pub(super) effects: &'a [Effect],
     pub(super) rate_hz: f64,
 }
@@ -38,7 +38,7 @@ pub(super) struct Slide<'a> {
 /// The border between rest and sliding.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Border {
-    /// In samples since the start of the capture.
+    /// When, in samples since the start of the capture.
     pub(super) instant: f64,
     /// Direction of sliding.
     pub(super) direction: Direction,
@@ -76,7 +76,7 @@ impl Slide<'_> {
         }
         let direction = Direction::of(if side == Side::After { moved_rad } else { -moved_rad });
         let trial = |instant: f64| self.trial(instant, first..last + 1, side, direction);
-        // An angle that is still within the noise may have left some time ago.
+        // The knob may have left its rest some samples before that shows above the noise.
         let best = (first + window / 4..=last - window / 4)
             .map(|index| (index, trial(index as f64).0))
             .min_by(|a, b| a.1.total_cmp(&b.1))?
@@ -158,6 +158,7 @@ impl Slide<'_> {
         displacement
     }
 
+    /// Acceleration of the knob sliding in a direction under a torque.
     fn acceleration_rad_s2(&self, torque_mnm: f64, at: &Motion, direction: Direction) -> f64 {
         let (mut inertia, mut taken_mnm) = (0.0, 0.0);
         for effect in self.effects {

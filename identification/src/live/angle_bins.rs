@@ -1,4 +1,4 @@
-//! Torque and base columns gathered by angle: the detent scan of a stream that is not kept.
+//! Torque and base columns summed by angle: the search for detents in a stream whose samples are not kept.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -7,46 +7,21 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 use realfft::num_complex::Complex;
 
 use super::blocks::MOST_COLUMNS;
-use crate::detents::scan::{FEWEST_PERIODS, background_of, gram_inverse, power, vertex_of};
 use crate::detents::{WORTHWHILE_AMPLITUDE, WORTHWHILE_SHARE};
 use crate::numerics::fourier;
+use crate::sinusoids::reduction::Reduction;
+use crate::sinusoids::{FEWEST_PERIODS, OVERSAMPLING, noise_variance, threshold, vertex};
 
 /// Most bins; when the travel outgrows them, neighbours merge.
 const MOST_BINS: usize = 8192;
 /// Width of the first bins, rad.
 const FIRST_WIDTH_RAD: f64 = 1e-6;
-/// Wavenumbers tried per width of a peak.
-const OVERSAMPLING: usize = 4;
 /// Angle bins per period of the finest detent searched.
 const BINS_PER_PERIOD: f64 = 20.0;
-/// What the best period must stand above the background.
+/// Margin of the best period, wider than that of a whole capture: the scan is repeated as the data grow.
 const MARGIN: f64 = 14.0;
 
-/// What a transform takes besides its work, kept from scan to scan: pages that need not be mapped anew.
-#[derive(Debug, Default)]
-struct Transform {
-    input: Vec<f64>,
-    output: Vec<Complex<f64>>,
-    scratch: Vec<Complex<f64>>,
-}
-
-impl Transform {
-    /// The first `count` of Σ value·exp(ikn), the values padded with zeros to `length`.
-    fn start_of(&mut self, values: impl Iterator<Item = f64>, length: usize, count: usize) -> Vec<Complex<f64>> {
-        let plan = fourier::forward(length);
-        self.input.clear();
-        self.input.extend(values);
-        self.input.resize(length, 0.0);
-        self.output.resize(plan.complex_len(), Complex::ZERO);
-        self.scratch.resize(plan.get_scratch_len(), Complex::ZERO);
-        if plan.process_with_scratch(&mut self.input, &mut self.output, &mut self.scratch).is_err() {
-            self.output.fill(Complex::ZERO);
-        }
-        self.output[..count].iter().map(Complex::conj).collect()
-    }
-}
-
-/// Sums of unfiltered columns and torque by angle.
+/// Sums of unfiltered base columns and torque in bins of angle.
 #[derive(Debug)]
 pub(super) struct AngleBins {
     bin_rad: f64,
@@ -56,7 +31,6 @@ pub(super) struct AngleBins {
     sums: VecDeque<[f64; MOST_COLUMNS]>,
     /// Inner products of the rows' columns.
     gram: DMatrix<f64>,
-    transform: Transform,
 }
 
 /// The best period of a scan.
@@ -71,13 +45,7 @@ pub(super) struct Scan {
 impl AngleBins {
     /// For rows of `width` columns, the last of them the torque.
     pub(super) fn new(width: usize) -> Self {
-        Self {
-            bin_rad: FIRST_WIDTH_RAD,
-            first: 0,
-            sums: VecDeque::new(),
-            gram: DMatrix::zeros(width, width),
-            transform: Transform::default(),
-        }
+        Self { bin_rad: FIRST_WIDTH_RAD, first: 0, sums: VecDeque::new(), gram: DMatrix::zeros(width, width) }
     }
 
     /// Distance between the outermost angles, rad.
@@ -107,6 +75,7 @@ impl AngleBins {
         }
     }
 
+    /// Adds bins up to an angle, and merges neighbours until they are few enough.
     fn make_room(&mut self, angle_rad: f64) {
         loop {
             let bin = (angle_rad / self.bin_rad).floor() as i64;
@@ -125,6 +94,7 @@ impl AngleBins {
         }
     }
 
+    /// Merges bins pairwise.
     fn coarsen(&mut self) {
         let first = self.first.div_euclid(2);
         let mut coarse = VecDeque::new();
@@ -139,7 +109,7 @@ impl AngleBins {
     }
 
     /// The best period, given the base coefficients; `None` while the travel supports none.
-    pub(super) fn scan(&mut self, coefficients: &[f64], slow_rad_s: f64, band_hz: f64) -> Option<Scan> {
+    pub(super) fn scan(&self, coefficients: &[f64], slow_rad_s: f64, band_hz: f64) -> Option<Scan> {
         let columns = self.gram.nrows() - 1;
         let length = (OVERSAMPLING * self.sums.len()).next_power_of_two();
         let spacing = TAU / (length as f64 * self.bin_rad);
@@ -157,10 +127,10 @@ impl AngleBins {
         for (column, coefficient) in spectra.iter().zip(coefficients) {
             residual.iter_mut().zip(column).for_each(|(left, line)| *left -= line * coefficient);
         }
-        let power = |index| power(&gram_inverse(index, 1.0, &spectra, &weights, &inverse), residual[index]);
+        let power = |index| Reduction::new(index, 1.0, &spectra, &weights, &inverse).of(residual[index]);
         let powers: Vec<f64> = (first..=last).map(power).collect();
         let best = (0..powers.len()).max_by(|a, b| powers[*a].total_cmp(&powers[*b]))?;
-        let wavenumber = (first + best) as f64 * spacing + spacing * vertex_of(&powers, best);
+        let wavenumber = (first + best) as f64 * spacing + spacing * vertex(&powers, best);
         let peak = TAU / travel_rad / spacing;
         let mut elsewhere: Vec<f64> = powers
             .iter()
@@ -168,12 +138,12 @@ impl AngleBins {
             .filter(|(index, _)| (*index as f64 - best as f64).abs() > peak)
             .map(|(_, power)| *power)
             .collect();
-        let background = background_of(&mut elsewhere);
+        let noise = noise_variance(&mut elsewhere);
         let total = self.residual_square(coefficients);
         let torque_square = self.gram[(columns, columns)];
         let samples = weights[0].re;
         let amplitude = (2.0 * powers[best] / samples).sqrt();
-        let clear = powers[best] > (2.0 * (powers.len() as f64 / peak).max(1.0).ln() + MARGIN) * background;
+        let clear = powers[best] > threshold(powers.len() as f64 / peak, MARGIN) * noise;
         let worthwhile = powers[best] > WORTHWHILE_SHARE * total
             || amplitude > WORTHWHILE_AMPLITUDE * (torque_square / samples).sqrt();
         Some(Scan { wavenumber, travel_rad, detents: clear && worthwhile })
@@ -188,10 +158,19 @@ impl AngleBins {
     }
 
     /// Σ value·exp(ikθ) for the counts and every column, θ from the middle of the first bin: the `count` longest waves.
-    fn spectra(&mut self, length: usize, count: usize) -> Vec<Vec<Complex<f64>>> {
-        let Self { sums, gram, transform, .. } = self;
-        let of = |column| transform.start_of(sums.iter().map(|sums: &[f64; MOST_COLUMNS]| sums[column]), length, count);
-        (0..=gram.nrows()).map(of).collect()
+    fn spectra(&self, length: usize, count: usize) -> Vec<Vec<Complex<f64>>> {
+        let transform = fourier::forward(length);
+        let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
+        let spectrum = |column| {
+            input.fill(0.0);
+            input.iter_mut().zip(&self.sums).for_each(|(slot, sums): (_, &[f64; MOST_COLUMNS])| *slot = sums[column]);
+            if transform.process(&mut input, &mut output).is_err() {
+                output.fill(Complex::ZERO);
+            }
+            // The transform has the other sign in the exponent.
+            output[..count].iter().map(Complex::conj).collect()
+        };
+        (0..=self.gram.nrows()).map(spectrum).collect()
     }
 }
 

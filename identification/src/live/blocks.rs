@@ -3,9 +3,7 @@
 use nalgebra::{DMatrix, DVectorView};
 
 use crate::preparation::filter::Fir;
-use crate::preparation::motion::ROWS_PER_EDGE;
-use crate::preparation::row_filter::HALF_LENGTH_PERIODS;
-use crate::preparation::uniform::whole;
+use crate::preparation::row_filter::{row_low_pass, row_step};
 use crate::regression::gram;
 use crate::uncertainty::statistics::student_95;
 
@@ -135,11 +133,11 @@ pub(super) struct RowFilter {
 
 impl RowFilter {
     pub(super) fn new(rate_hz: f64, band_hz: f64, width: usize) -> Self {
-        let half_length = (HALF_LENGTH_PERIODS * rate_hz / band_hz).round() as usize;
-        let length = 2 * half_length + 1;
+        let fir = row_low_pass(band_hz, rate_hz);
+        let length = fir.taps().len();
         Self {
-            fir: Fir::low_pass(half_length, band_hz, rate_hz),
-            step: whole(rate_hz / (ROWS_PER_EDGE * band_hz)).max(1),
+            fir,
+            step: row_step(band_hz, rate_hz),
             width,
             history: vec![0.0; 2 * length * width],
             next: 0,

@@ -3,16 +3,16 @@
 use dynamics::{Effect, ParameterKind, Part, effects};
 use nalgebra::DMatrix;
 
-use super::Joint;
+use super::WithDetents;
 use super::blocks::{Blocks, Solution};
 use super::convergence::{Convergence, Criterion, MotionRms, relative_half_width};
-use crate::uncertainty::statistics::deviation_of_sum;
+use crate::uncertainty::statistics::{deviation_of_sum, interval};
 
-/// Blocks that must scatter before intervals mean anything.
+/// Fewest blocks whose scatter gives an interval.
 const FEWEST_BLOCKS: usize = 16;
-/// A parameter is estimated when its interval's half width is below this share of its value …
+/// A parameter counts as estimated when its interval's half width is below this share of its value …
 const ESTIMATED_SHARE: f64 = 0.1;
-/// … or worth less than this share of the torque's RMS.
+/// … or amounts to less than this share of the torque's RMS.
 const ESTIMATED_TORQUE: f64 = 0.02;
 
 /// Whether a parameter can be estimated from the data so far.
@@ -147,21 +147,23 @@ impl Excitation {
 pub(super) fn estimate(
     base_effects: &[Effect],
     base: &Blocks,
-    joint: Option<&Joint>,
-    evidence: Option<bool>,
+    with_detents: Option<&WithDetents>,
+    has_detents: Option<bool>,
     gripper_inertia: f64,
     excitation: &Excitation,
 ) -> LiveEstimate {
     let mut estimate = LiveEstimate::default();
     let columns = base.columns();
-    let solved = joint
-        .filter(|_| evidence == Some(true))
-        .and_then(|joint| joint_solution(columns, joint).map(|solution| (Some(joint), solution)))
+    let solved = with_detents
+        .filter(|_| has_detents == Some(true))
+        .and_then(|with_detents| {
+            solution_with_detents(columns, with_detents).map(|solution| (Some(with_detents), solution))
+        })
         .filter(|(_, solution)| solution.blocks >= FEWEST_BLOCKS);
-    let Some((joint, solution)) = solved.or_else(|| base.solve(columns).map(|solution| (None, solution))) else {
+    let Some((with_detents, solution)) = solved.or_else(|| base.solve(columns).map(|solution| (None, solution))) else {
         let base = base_effects.iter().flat_map(|effect| effect.kind().parameters);
         let base = base.map(|kind| without_value(kind, Verdict::NotYet));
-        estimate.parameters = base.chain(no_detents(evidence)).collect();
+        estimate.parameters = base.chain(no_detents(has_detents)).collect();
         return estimate;
     };
     let mut start = 0;
@@ -185,23 +187,23 @@ pub(super) fn estimate(
     estimate.residual_rms_mnm = Some(solution.residual_rms);
     estimate.torque_rms_mnm = Some(solution.torque_rms);
     estimate.rows = solution.rows;
-    match joint {
-        Some(joint) => {
+    match with_detents {
+        Some(with_detents) => {
             estimate.wavenumber_correction = solution.coefficients[columns + 2];
             estimate.wavenumber_deviation = solution.covariance[(columns + 2, columns + 2)].max(0.0).sqrt();
-            estimate.parameters.extend(detent_parameters(columns, joint, &solution));
+            estimate.parameters.extend(detent_parameters(columns, with_detents, &solution));
         }
         None => {
             estimate.wavenumber_deviation = f64::INFINITY;
-            estimate.parameters.extend(no_detents(evidence));
+            estimate.parameters.extend(no_detents(has_detents));
         }
     }
     estimate
 }
 
 /// The detents' parameters where none were found.
-fn no_detents(evidence: Option<bool>) -> impl Iterator<Item = LiveParameter> {
-    let verdict = if evidence == Some(false) { Verdict::Absent } else { Verdict::NotYet };
+fn no_detents(has_detents: Option<bool>) -> impl Iterator<Item = LiveParameter> {
+    let verdict = if has_detents == Some(false) { Verdict::Absent } else { Verdict::NotYet };
     effects::detent::KIND.parameters.iter().map(move |kind| without_value(kind, verdict))
 }
 
@@ -229,14 +231,14 @@ fn parameter(
     let enough = solution.blocks >= FEWEST_BLOCKS && small && kind.minimum.permits(value);
     LiveParameter {
         value: Some(value),
-        ci95: (solution.blocks >= FEWEST_BLOCKS).then_some([value - half, value + half]),
+        ci95: (solution.blocks >= FEWEST_BLOCKS).then_some(interval(value, half)),
         ..without_value(kind, if enough { Verdict::Estimated } else { Verdict::NotYet })
     }
 }
 
 /// Base, sine and cosine, and the wavenumber's tangent θ·(a·cos − b·sin), whose coefficient corrects the assumed wavenumber.
-fn joint_solution(columns: usize, joint: &Joint) -> Option<Solution> {
-    let plain = joint.rows.blocks.solve(columns + 2)?;
+fn solution_with_detents(columns: usize, with_detents: &WithDetents) -> Option<Solution> {
+    let plain = with_detents.rows.blocks.solve(columns + 2)?;
     let (sine, cosine) = (plain.coefficients[columns], plain.coefficients[columns + 1]);
     let width = columns + 5;
     let mut map = DMatrix::zeros(columns + 4, width);
@@ -245,17 +247,17 @@ fn joint_solution(columns: usize, joint: &Joint) -> Option<Solution> {
     map[(columns + 3, columns + 2)] = -cosine;
     map[(columns + 3, columns + 3)] = sine;
     map[(0, columns + 4)] = 1.0;
-    joint.rows.blocks.solve_mapped(&map)
+    with_detents.rows.blocks.solve_mapped(&map)
 }
 
-fn detent_parameters(columns: usize, joint: &Joint, solution: &Solution) -> [LiveParameter; 3] {
+fn detent_parameters(columns: usize, with_detents: &WithDetents, solution: &Solution) -> [LiveParameter; 3] {
     let Solution { coefficients, covariance, .. } = solution;
     let (a, b) = (coefficients[columns], coefficients[columns + 1]);
-    let wavenumber = joint.wavenumber + coefficients[columns + 2];
+    let wavenumber = with_detents.wavenumber + coefficients[columns + 2];
     let period = 1.0 / wavenumber;
     let amplitude = a.hypot(b);
     // The columns' angle counts from the centre: kθ' + s = kθ + (s − k·centre).
-    let (_, phase) = effects::detent::canonical(amplitude, b.atan2(a) - wavenumber * joint.centre_rad);
+    let (_, phase) = effects::detent::canonical(amplitude, b.atan2(a) - wavenumber * with_detents.centre_rad);
     let part = covariance.view((columns, columns), (3, 3)).into_owned();
     let half = |gradient: [f64; 3]| solution.critical() * deviation_of_sum(&part, &gradient);
     let square = amplitude * amplitude;
@@ -263,11 +265,11 @@ fn detent_parameters(columns: usize, joint: &Joint, solution: &Solution) -> [Liv
     let estimated = half_amplitude < ESTIMATED_SHARE * amplitude;
     let verdict = if estimated { Verdict::Estimated } else { Verdict::NotYet };
     let half_period = half([0.0, 0.0, period * period]);
-    let half_phase = half([-b / square, a / square, -joint.centre_rad]);
+    let half_phase = half([-b / square, a / square, -with_detents.centre_rad]);
     let parameters = [(0, amplitude, half_amplitude), (1, period, half_period), (2, phase, half_phase)];
     parameters.map(|(index, value, half)| LiveParameter {
         value: Some(value),
-        ci95: Some([value - half, value + half]),
+        ci95: Some(interval(value, half)),
         ..without_value(&effects::detent::KIND.parameters[index], verdict)
     })
 }

@@ -1,11 +1,10 @@
 //! The fit of a stream: bounded memory, bounded time per sample, for as long as one likes.
 //!
-//! The same relation as in [`fit`](crate::fit()), summed up as it comes: a fixed-lag pipeline masks, filters
-//! and decimates, and only Gram matrices of blocks are kept. Blocks merge pairwise as they grow in
-//! number, which bounds memory and makes each block long against the residual's correlation: the
-//! scatter of the blocks' scores then gives intervals that hold (batch means). For the search of the
-//! detent period torque and base columns are gathered by angle, so that the scan needs no samples.
-//! The encoder alone gives the motion: in the band used it is quieter than an accelerometer.
+//! The same relation as in [`fit`](crate::fit()), summed up as the samples come: they are masked, filtered and decimated with a
+//! fixed lag, and only Gram matrices of blocks of rows are kept. When there are too many blocks, neighbours merge; each is then
+//! long against the residual's correlation, so that the scatter of the blocks' scores gives intervals that hold (batch means).
+//! For the search of the detents' period torque and base columns are summed by angle. The encoder alone gives the motion: in
+//! the band used it is quieter than an accelerometer.
 //!
 //! ```
 //! use identification::live::{LiveFit, LiveSample, Verdict};
@@ -33,14 +32,13 @@ mod pipeline;
 
 use dynamics::{Calibration, Effect, effects};
 
+use crate::numerics::interpolation::cubic_weights;
 use angle_bins::AngleBins;
 use blocks::{Blocks, RowFilter};
 pub use convergence::{Convergence, Criterion, MotionRms, USUAL_SHARE, relative_half_width};
 use estimate::{Excitation, estimate};
 pub use estimate::{LiveEstimate, LiveParameter, Verdict};
-use pipeline::{Pipeline, Sliding};
-
-use crate::preparation::uniform::cubic_weights;
+use pipeline::{Pipeline, Prepared};
 
 /// Edge of the band in which torque and motion are compared, Hz …
 const BAND_HZ: f64 = 150.0;
@@ -48,23 +46,23 @@ const BAND_HZ: f64 = 150.0;
 const BAND_SHARE: f64 = 0.1;
 /// The scan for detents is repeated when the data have grown by this factor.
 const RESCAN_GROWTH: f64 = 1.1;
-/// Sliding samples before the first scan, s.
+/// Time of sliding before the first scan, s.
 const FIRST_SCAN_S: f64 = 0.5;
-/// Sliding samples from which a scan without detents means that there are none, s.
+/// Time of sliding from which a scan without detents means that there are none, s.
 const ABSENT_AFTER_S: f64 = 3.0;
-/// Sliding samples that a direction must have before anything is said of it, s.
+/// Time of sliding in a direction before its parameters are given, s.
 const ENOUGH_S: f64 = 0.25;
-/// The live intervals must be narrower by this factor than those asked for, which are the ones of the archive's own fit: it
-/// filters otherwise, and a sweep that ends at the first narrow interval ends where the live one happens to be too narrow.
+/// Factor by which the live intervals must be narrower than those asked for, which are the ones of the archive's own fit: that
+/// filters in another way, and a sweep that ends with the first narrow interval favours one that is too narrow by chance.
 /// Chosen by `scripts/study-until-ci`: without it the archive's intervals were up to 1.27 times what was asked for.
 const MARGIN: f64 = 0.75;
-/// Longest step between two samples that is bridged, in periods: a rig that leaves a tick unanswered now and then would have the
-/// filters never fill.
+/// Longest step between two samples that is bridged, in periods: without a bridge, a rig that misses a tick now and then would
+/// never fill the filters.
 const BRIDGED_PERIODS: f64 = 4.5;
 /// Samples before a gap that the bridge over it follows.
 const BRIDGE_FOLLOWS: usize = 3;
-/// Angle error of the assumed period over half the travel, in radians of the detent sine, from which columns start anew.
-const RECENTRE_RAD: f64 = 0.03;
+/// Error of the assumed period at the end of the travel, in radians of the detents' phase, from which their rows start anew.
+const LARGEST_ERROR_RAD: f64 = 0.03;
 
 /// One sample of the stream.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,17 +82,19 @@ pub struct LiveFit {
     base: Rows,
     base_effects: Vec<Effect>,
     bins: AngleBins,
-    joint: Option<Joint>,
+    with_detents: Option<WithDetents>,
     gripper_inertia: f64,
     rate_hz: f64,
+    /// Sliding samples so far.
     sliding: u64,
-    /// Those of the sliding samples that went in the negative direction.
+    /// Sliding samples in the negative direction.
     backward: u64,
+    /// Sliding samples at the last scan.
     scanned_at: u64,
     /// Whether the axis is rotary: a pressed control has no detents.
     is_rotary: bool,
-    /// Whether the last scan saw detents.
-    evidence: Option<bool>,
+    /// Whether the last scan saw detents; `None` before it.
+    has_detents: Option<bool>,
     samples: u64,
     ignored: u64,
     newest_s: f64,
@@ -103,10 +103,12 @@ pub struct LiveFit {
     criterion: Criterion,
 }
 
-/// Base and detent columns together, for one assumed period.
+/// Rows of base and detent columns together, for one assumed period.
 #[derive(Debug)]
-struct Joint {
+struct WithDetents {
+    /// Assumed wavenumber, 1/rad.
     wavenumber: f64,
+    /// Angle from which the detents' columns count theirs, rad.
     centre_rad: f64,
     rows: Rows,
 }
@@ -149,14 +151,14 @@ impl LiveFit {
             base: Rows::new(rate_hz, columns + 1),
             base_effects,
             bins: AngleBins::new(columns + 1),
-            joint: None,
+            with_detents: None,
             gripper_inertia: calibration.map_or(0.0, |known| known.gripper_inertia),
             rate_hz,
             sliding: 0,
             backward: 0,
             scanned_at: 0,
             is_rotary,
-            evidence: (!is_rotary).then_some(false),
+            has_detents: (!is_rotary).then_some(false),
             samples: 0,
             ignored: 0,
             newest_s: f64::NAN,
@@ -168,7 +170,7 @@ impl LiveFit {
         }
     }
 
-    /// The fit that asks for intervals of this share of the values.
+    /// The same, asking for intervals whose half width is this share of the value.
     #[must_use]
     pub fn converging_to(self, share: f64) -> Self {
         Self { criterion: Criterion { share: MARGIN * share, ..self.criterion }, ..self }
@@ -200,16 +202,16 @@ impl LiveFit {
         self.filter(sample);
     }
 
-    /// Starts the filters afresh.
+    /// Empties the filters after a gap.
     fn restart(&mut self) {
         self.recent.clear();
         self.pipeline.restart();
-        let joint = self.joint.iter_mut().map(|joint| &mut joint.rows);
-        std::iter::once(&mut self.base).chain(joint).for_each(|rows| rows.filter.restart());
+        let with_detents = self.with_detents.iter_mut().map(|with_detents| &mut with_detents.rows);
+        std::iter::once(&mut self.base).chain(with_detents).for_each(|rows| rows.filter.restart());
     }
 
-    /// Fills in what is missing before a sample so many periods after the newest: the angle on the cubic through its neighbours, the
-    /// torque on a line.
+    /// Fills in the samples that are missing before this one, which comes so many periods after the newest: the angle on the cubic through
+    /// its neighbours, the torque on a line.
     fn bridge(&mut self, sample: &LiveSample, periods: f64) {
         let known = [self.recent[0], self.recent[1], self.recent[2], *sample];
         let newest = known[BRIDGE_FOLLOWS - 1];
@@ -224,65 +226,73 @@ impl LiveFit {
     }
 
     fn filter(&mut self, sample: &LiveSample) {
-        if let Some(sliding) = self.pipeline.push(sample) {
-            self.take(&sliding);
+        if let Some(prepared) = self.pipeline.push(sample) {
+            self.add(&prepared);
         }
     }
 
-    /// Parameters as the data so far tell them, with intervals and verdicts.
+    /// The parameters from the data so far, with intervals and verdicts.
     pub fn estimate(&mut self) -> LiveEstimate {
         self.rescan();
-        let long = !self.is_rotary || self.sliding as f64 > ABSENT_AFTER_S * self.rate_hz;
-        let evidence = self.evidence.filter(|detents| *detents || long);
+        let is_long = !self.is_rotary || self.sliding as f64 > ABSENT_AFTER_S * self.rate_hz;
+        let has_detents = self.has_detents.filter(|has_detents| *has_detents || is_long);
         let excitation = Excitation {
             sliding: self.sliding as f64,
             backward: self.backward as f64,
             enough: ENOUGH_S * self.rate_hz,
         };
-        let joint = self.joint.as_ref();
-        let mut estimate =
-            estimate(&self.base_effects, &self.base.blocks, joint, evidence, self.gripper_inertia, &excitation);
+        let with_detents = self.with_detents.as_ref();
+        let mut estimate = estimate(
+            &self.base_effects,
+            &self.base.blocks,
+            with_detents,
+            has_detents,
+            self.gripper_inertia,
+            &excitation,
+        );
         estimate.samples = self.samples;
         estimate.ignored_samples = self.ignored;
         estimate.newest_s = self.newest_s;
         estimate.judge(&self.criterion);
-        self.recentre(&estimate);
+        self.correct_period(&estimate);
         estimate
     }
 
-    fn take(&mut self, sliding: &Sliding) {
-        let Self { base_effects, base, bins, joint, .. } = self;
+    /// Adds a sample to the sums.
+    fn add(&mut self, prepared: &Prepared) {
+        let Self { base_effects, base, bins, with_detents, .. } = self;
         let mut row = [0.0; blocks::MOST_COLUMNS];
         let mut width = 0;
-        if sliding.mask {
+        if prepared.is_sliding {
             for effect in base_effects.iter() {
                 if let Some(regressors) = effect.kind().regressors {
-                    (regressors.fill)(effect, &sliding.motion, &mut row[width..width + regressors.columns]);
+                    (regressors.fill)(effect, &prepared.motion, &mut row[width..width + regressors.columns]);
                     width += regressors.columns;
                 }
             }
-            row[width] = sliding.torque_mnm;
-            bins.add(sliding.motion.angle_rad, &row[..=width]);
+            row[width] = prepared.torque_mnm;
+            bins.add(prepared.motion.angle_rad, &row[..=width]);
             self.sliding += 1;
-            if sliding.motion.velocity_rad_s < 0.0 {
+            if prepared.motion.velocity_rad_s < 0.0 {
                 self.backward += 1;
             }
         } else {
             width = base.filter.width - 1;
         }
-        base.push(&row[..=width], sliding.mask);
-        if let Some(Joint { wavenumber, centre_rad, rows }) = joint {
+        base.push(&row[..=width], prepared.is_sliding);
+        if let Some(WithDetents { wavenumber, centre_rad, rows }) = with_detents {
             let mut wide = [0.0; blocks::MOST_COLUMNS];
-            if sliding.mask {
+            if prepared.is_sliding {
                 wide[..width].copy_from_slice(&row[..width]);
-                let angle = sliding.motion.angle_rad - *centre_rad;
+                let angle = prepared.motion.angle_rad - *centre_rad;
                 let (sine, cosine) = (*wavenumber * angle).sin_cos();
                 wide[width..width + 5].copy_from_slice(&[sine, cosine, angle * sine, angle * cosine, row[width]]);
             }
-            rows.push(&wide[..width + 5], sliding.mask);
+            rows.push(&wide[..width + 5], prepared.is_sliding);
         }
     }
 
+    /// Looks for detents again once the data have grown enough.
     fn rescan(&mut self) {
         let due = (self.scanned_at as f64 * RESCAN_GROWTH).max(FIRST_SCAN_S * self.rate_hz);
         if !self.is_rotary || (self.sliding as f64) < due {
@@ -290,32 +300,32 @@ impl LiveFit {
         }
         self.scanned_at = self.sliding;
         let Some(solution) = self.base.blocks.solve(self.base.blocks.columns()) else { return };
-        let scan = self.bins.scan(&solution.coefficients, self.pipeline.slow_rad_s(), BAND_HZ);
-        self.evidence = scan.as_ref().map(|scan| scan.detents);
+        let scan = self.bins.scan(&solution.coefficients, self.pipeline.slow_rad_s(), band_hz(self.rate_hz));
+        self.has_detents = scan.as_ref().map(|scan| scan.detents);
         let Some(scan) = scan.filter(|scan| scan.detents) else { return };
-        // A period in use is kept unless the scan sees another peak: Gauss–Newton follows the same one.
-        let other = self.joint.as_ref().is_none_or(|joint| {
-            (joint.wavenumber - scan.wavenumber).abs() > 0.5 * std::f64::consts::TAU / scan.travel_rad
+        // A period in use is kept unless the scan sees another peak: its own correction follows the same one.
+        let is_other = self.with_detents.as_ref().is_none_or(|with_detents| {
+            (with_detents.wavenumber - scan.wavenumber).abs() > 0.5 * std::f64::consts::TAU / scan.travel_rad
         });
-        if other {
-            self.start_joint(scan.wavenumber, self.bins.middle_rad());
+        if is_other {
+            self.start_detents(scan.wavenumber, self.bins.middle_rad());
         }
     }
 
-    /// Starts the detent columns anew when the assumed period proves wrong by more than linearisation bears.
-    fn recentre(&mut self, estimate: &LiveEstimate) {
-        let Some(joint) = &self.joint else { return };
+    /// Starts the detents' rows anew when the assumed period is off by more than their linearisation allows.
+    fn correct_period(&mut self, estimate: &LiveEstimate) {
+        let Some(with_detents) = &self.with_detents else { return };
         let reach_rad = 0.5 * self.bins.travel_rad();
-        let off = estimate.wavenumber_correction.abs() * reach_rad;
-        let sure = estimate.wavenumber_deviation * reach_rad < 0.5 * RECENTRE_RAD;
-        if sure && off > RECENTRE_RAD {
-            let better = joint.wavenumber + estimate.wavenumber_correction;
-            self.start_joint(better, self.bins.middle_rad());
+        let error_rad = estimate.wavenumber_correction.abs() * reach_rad;
+        let is_sure = estimate.wavenumber_deviation * reach_rad < 0.5 * LARGEST_ERROR_RAD;
+        if is_sure && error_rad > LARGEST_ERROR_RAD {
+            let better = with_detents.wavenumber + estimate.wavenumber_correction;
+            self.start_detents(better, self.bins.middle_rad());
         }
     }
 
-    fn start_joint(&mut self, wavenumber: f64, centre_rad: f64) {
+    fn start_detents(&mut self, wavenumber: f64, centre_rad: f64) {
         let rows = Rows::new(self.rate_hz, self.base.filter.width + 4);
-        self.joint = Some(Joint { wavenumber, centre_rad, rows });
+        self.with_detents = Some(WithDetents { wavenumber, centre_rad, rows });
     }
 }

@@ -1,37 +1,33 @@
-//! From raw samples to motion and torque at one moment, a fixed time later.
+//! Motion and torque of a stream, sample by sample, behind it by a fixed lag.
 
 use std::f64::consts::TAU;
 
 use dynamics::{Calibration, Motion};
 
 use super::LiveSample;
+use crate::numerics::interpolation::{NEIGHBOURS, cubic_weights};
 use crate::preparation::compliance::compliance_rad_mnm;
 use crate::preparation::filter::Fir;
-use crate::preparation::row_filter::HALF_LENGTH_PERIODS;
-use crate::preparation::uniform::{NEIGHBOURS, cubic_weights};
+use crate::preparation::row_filter::{GUARD_S, SLOW, row_low_pass};
 use crate::uncertainty::statistics::MEDIAN_FOURTH_DIFFERENCE;
 
 /// The angle's low-pass reaches this much beyond the band in which torque and motion are compared.
 const ANGLE_BAND: f64 = 2.5;
-/// Time around stick and reversals that is left out besides, s.
-const GUARD_S: f64 = 0.002;
-/// Speed below which a knob may be sticking, as a share of the RMS speed.
-const SLOW: f64 = 0.01;
-/// The same in standard deviations of the velocity's noise; while a sweep is still slow this decides.
+/// Speed below which a knob may be sticking, in standard deviations of the velocity's noise: while a sweep is slow this decides.
 const NOISE_MARGIN: f64 = 16.0;
 /// Relative step of the running median of the encoder's noise.
 const MEDIAN_STEP: f64 = 1e-3;
 
-/// A moment's motion and torque.
+/// Motion and torque at one sample.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sliding {
+pub(super) struct Prepared {
     pub(super) motion: Motion,
     pub(super) torque_mnm: f64,
     /// Whether the knob surely slides.
-    pub(super) mask: bool,
+    pub(super) is_sliding: bool,
 }
 
-/// Smooths and differentiates the angle, aligns the torque, masks stick; all with one fixed lag.
+/// Smooths and differentiates the angle, aligns the torque, finds stick; all with one fixed lag.
 #[derive(Debug)]
 pub(super) struct Pipeline {
     rate_hz: f64,
@@ -44,9 +40,9 @@ pub(super) struct Pipeline {
     count: usize,
     time: Ring,
     angle: Ring,
-    raw_torque: Ring,
+    received_torque: Ring,
     torque: Ring,
-    twisted: Ring,
+    knob_angle: Ring,
     smooth: Ring,
     smooth_torque: Ring,
     velocity: Ring,
@@ -61,16 +57,16 @@ pub(super) struct Pipeline {
 impl Pipeline {
     pub(super) fn new(rate_hz: f64, band_hz: f64, calibration: Option<&Calibration>) -> Self {
         let cutoff_hz = (ANGLE_BAND * band_hz).min(0.4 * rate_hz);
-        let half_length = (HALF_LENGTH_PERIODS * rate_hz / cutoff_hz).round() as usize;
+        let fir = row_low_pass(cutoff_hz, rate_hz);
         // A torque channel ahead of the encoder is not foreseen; its delay is at most what the guard bears.
         let delay = calibration.map_or(0.0, |known| known.torque_delay_s.clamp(0.0, 0.05)) * rate_hz;
         let part = delay.fract();
         let guard = ((GUARD_S + 1.0 / cutoff_hz) * rate_hz).round() as usize;
-        let length = 4 * half_length + 2 * guard + delay as usize + 16;
+        let length = 4 * fir.half_length() + 2 * guard + delay as usize + 16;
         let ring = || Ring::new(length);
         Self {
             rate_hz,
-            fir: Fir::low_pass(half_length, cutoff_hz, rate_hz),
+            fir,
             torque_zero_mnm: calibration.map_or(0.0, |known| known.torque_zero_mnm),
             compliance_rad_mnm: compliance_rad_mnm(calibration),
             whole_delay: delay as usize,
@@ -79,9 +75,9 @@ impl Pipeline {
             count: 0,
             time: ring(),
             angle: ring(),
-            raw_torque: ring(),
+            received_torque: ring(),
             torque: ring(),
-            twisted: ring(),
+            knob_angle: ring(),
             smooth: ring(),
             smooth_torque: ring(),
             velocity: ring(),
@@ -100,18 +96,18 @@ impl Pipeline {
         self.last_slow = 0;
     }
 
-    /// A speed that a tenth of the motion stays below, roughly, rad/s.
+    /// A speed below which the knob turns in about a tenth of the time, rad/s.
     pub(super) fn slow_rad_s(&self) -> f64 {
         0.15 * (self.square_speed / self.speeds.max(1) as f64).sqrt()
     }
 
-    /// Takes the next sample; gives the moment that lies the fixed lag back, once there is one.
-    pub(super) fn push(&mut self, sample: &LiveSample) -> Option<Sliding> {
+    /// Takes the next sample; returns the one that lies the fixed lag back, once there is one.
+    pub(super) fn push(&mut self, sample: &LiveSample) -> Option<Prepared> {
         let newest = self.count;
         self.count += 1;
         self.time.set(newest, sample.time_s);
         self.angle.set(newest, sample.angle_rad);
-        self.raw_torque.set(newest, sample.torque_mnm - self.torque_zero_mnm);
+        self.received_torque.set(newest, sample.torque_mnm - self.torque_zero_mnm);
         self.learn_noise(newest);
         let aligned = newest.checked_sub(self.whole_delay + 2)?;
         self.align(aligned);
@@ -120,16 +116,16 @@ impl Pipeline {
         // The torque passes the same filter: what rings beyond it must not be in one and not in the other.
         let (mut smooth, mut torque) = (0.0, 0.0);
         for (tap, at) in self.fir.taps().iter().zip(middle - half..) {
-            smooth += tap * self.twisted.get(at);
+            smooth += tap * self.knob_angle.get(at);
             torque += tap * self.torque.get(at);
         }
         self.smooth.set(middle, smooth);
         self.smooth_torque.set(middle, torque);
-        // The first smoothed angle is at `half` (+1 that the alignment lacks); differences need two on each side.
+        // The first smoothed angle is at half + 1, as the alignment needs one sample before; differences need two on each side.
         let now = middle.checked_sub(2).filter(|now| *now >= half + 3)?;
         self.differentiate(now);
         let out = now.checked_sub(self.guard).filter(|out| *out >= half + 3 + self.guard)?;
-        Some(Sliding {
+        Some(Prepared {
             motion: Motion {
                 time_s: self.time.get(out),
                 angle_rad: self.smooth.get(out),
@@ -137,16 +133,16 @@ impl Pipeline {
                 acceleration_rad_s2: self.acceleration.get(out),
             },
             torque_mnm: self.smooth_torque.get(out),
-            mask: self.last_slow + self.guard < out,
+            is_sliding: self.last_slow + self.guard < out,
         })
     }
 
     /// Torque at the moment of the encoder's reading, and the knob's angle behind the twist of the sensor.
     fn align(&mut self, index: usize) {
         let first = (index + self.whole_delay).saturating_sub(1);
-        let torque = self.weights.iter().zip(first..).map(|(weight, at)| weight * self.raw_torque.get(at)).sum();
+        let torque = self.weights.iter().zip(first..).map(|(weight, at)| weight * self.received_torque.get(at)).sum();
         self.torque.set(index, torque);
-        self.twisted.set(index, self.angle.get(index) - torque * self.compliance_rad_mnm);
+        self.knob_angle.set(index, self.angle.get(index) - torque * self.compliance_rad_mnm);
     }
 
     fn differentiate(&mut self, now: usize) {
@@ -189,7 +185,7 @@ impl Pipeline {
     }
 }
 
-/// The last values of a stream, addressed by their count since the start.
+/// The last values of a stream, by their index since its start.
 #[derive(Clone, Debug)]
 struct Ring {
     values: Vec<f64>,

@@ -1,4 +1,6 @@
-//! What every other folder counts with: sums over columns and transforms.
+//! Numerical methods that know nothing of knobs: sums over columns, transforms, derivatives and interpolation.
 
+pub(crate) mod derivative;
 pub(crate) mod fourier;
+pub(crate) mod interpolation;
 pub(crate) mod vector;

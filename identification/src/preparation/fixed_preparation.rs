@@ -1,10 +1,12 @@
 //! Preparations whose filters do not depend on the data, for comparison with what others publish.
 
 use super::Prepared;
-use super::filter::{Fir, chebyshev1_low_pass, chebyshev2_low_pass};
-use super::motion::{Band, KnobMotion, gradient, low_pass, prompt};
-use super::row_filter::RowFilter;
+use super::band::Band;
+use super::filter::{Fir, both_ways, chebyshev1_low_pass, chebyshev2_low_pass, low_pass};
+use super::motion::{KnobMotion, prompt};
+use super::row_filter::{RowFilter, SLOW};
 use super::uniform::Uniform;
+use crate::numerics::derivative::gradient;
 use crate::uncertainty::statistics::rms;
 
 /// Highest edge as a share of the sample rate.
@@ -18,8 +20,6 @@ const MOTION_EDGE_HZ: f64 = 1000.0;
 const TORQUE_EDGE_HZ: f64 = 500.0;
 /// Order and edge of the Butterworth low-pass on the velocity; the paper does not print the edge, Hz.
 const PAPER_BUTTERWORTH: (usize, f64) = (10, 500.0);
-/// Speed below which a sample counts as stuck, as a share of the RMS speed.
-const SLOW: f64 = 0.01;
 
 /// Order and edge (Hz) of the Butterworth low-pass on the angle before central differences, run both ways.
 const BUTTERWORTH: (usize, f64) = (4, 100.0);
@@ -36,9 +36,9 @@ const RINGING_PERIODS: f64 = 24.0;
 /// Motion, torque and rows as Swindells and MacLean (2007) prepare them.
 pub(crate) fn paper(uniform: &Uniform) -> Prepared<'static> {
     let rate_hz = uniform.rate_hz;
+    let (order, stop_db) = PAPER_CHEBYSHEV;
     let chebyshev = |signal: &[f64], edge_hz: f64| {
-        chebyshev2_low_pass(PAPER_CHEBYSHEV.0, PAPER_CHEBYSHEV.1, edge_hz.min(HIGHEST * rate_hz), rate_hz)
-            .map_or_else(|| signal.to_vec(), |sections| sections.filter_zero_phase(signal))
+        both_ways(chebyshev2_low_pass(order, stop_db, edge_hz.min(HIGHEST * rate_hz), rate_hz), signal)
     };
     let (order, edge_hz) = PAPER_BUTTERWORTH;
     let rough = gradient(&uniform.angle_rad, rate_hz);

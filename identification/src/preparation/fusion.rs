@@ -11,7 +11,9 @@
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-use crate::preparation::motion::{gradient, low_pass, prompt};
+use crate::numerics::derivative::gradient;
+use crate::preparation::filter::low_pass;
+use crate::preparation::motion::prompt;
 use crate::preparation::spectrum::{Spectrum, white_density};
 use crate::uncertainty::statistics::{mean, rms};
 
@@ -168,7 +170,8 @@ mod tests {
     use rand_xoshiro::rand_core::SeedableRng as _;
 
     use super::{Sensors, blend};
-    use crate::preparation::motion::{gradient, low_pass};
+    use crate::numerics::derivative::gradient;
+    use crate::preparation::filter::low_pass;
     use crate::uncertainty::statistics::rms;
 
     const RATE_HZ: f64 = 2000.0;

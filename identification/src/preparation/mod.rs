@@ -1,6 +1,7 @@
 //! From a capture's columns to rows of a regression: one sample rate, the knob's motion, the band in which it is signal, and the mask that
 //! leaves out standstill, gaps and saturation.
 
+pub(crate) mod band;
 pub(crate) mod compliance;
 pub(crate) mod encoder_step;
 pub mod filter;
@@ -18,7 +19,7 @@ use std::borrow::Cow;
 
 /// Motion, torque, mask and filter for one band.
 pub(crate) struct Prepared<'a> {
-    pub(crate) band: motion::Band,
+    pub(crate) band: band::Band,
     pub(crate) motion: motion::KnobMotion,
     pub(crate) torque_mnm: Cow<'a, [f64]>,
     pub(crate) row_filter: row_filter::RowFilter,

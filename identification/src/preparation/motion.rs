@@ -5,29 +5,17 @@ use std::f64::consts::TAU;
 
 use dynamics::{Calibration, Motion};
 
+use super::band::Band;
 use super::compliance::{compliance_rad_mnm, knob_angle_rad};
-use super::filter::{Fir, butterworth_low_pass};
+use super::filter::{Fir, low_pass};
 use super::fusion::{Sensors, blend};
-use super::spectrum::{AngleSpectrum, Spectrum, white_density};
 use super::uniform::Uniform;
+use crate::numerics::derivative::{GRADIENT_REACH, gradient};
 use crate::numerics::vector::{self, dot};
 use crate::options::AccelerationUse;
 use crate::samples::{FitError, Samples};
-use crate::uncertainty::statistics::{MEDIAN_FOURTH_DIFFERENCE, median, rms};
+use crate::uncertainty::statistics::{MEDIAN_FOURTH_DIFFERENCE, rms};
 
-/// Share of the torque's power above its noise that may lie beyond the fit's band.
-const POWER_BEYOND_BAND: f64 = 1e-4;
-/// Widest band, as a share of the sample rate.
-const WIDEST: f64 = 0.1;
-/// The band reaches at least to this multiple of the sweep's highest frequency …
-const NARROWEST_PER_SWEEP: f64 = 17.0;
-/// … and at most to this one, unless fine detents need more: beyond, rigs ring and their sensors differ.
-const WIDEST_PER_SWEEP: f64 = 43.0;
-/// Widest band as a multiple of 1/delay of a calibrated torque channel: a lag is a mere delay only far below its
-/// bandwidth. For a second-order Butterworth this is an eighth of it, where the rest is worth half a microsecond.
-const WIDEST_PER_LAG: f64 = 0.028;
-/// Rows are kept at this multiple of the band's edge.
-pub(crate) const ROWS_PER_EDGE: f64 = 2.5;
 /// Noise in the acceleration's power up to which the encoder does alone: an accelerometer's limited bandwidth costs more.
 const CLEAR: f64 = 1e-4;
 /// The encoder's low-pass lies well clear of the band in which the fit compares: flat up to the band's edge.
@@ -36,13 +24,9 @@ const CUTOFF_PER_EDGE: f64 = 3.0;
 /// of the cutoff. Its memory is finite: nothing that happens further away than that touches a sample.
 const SMOOTH_BETA: f64 = 7.857;
 const SMOOTH_PERIODS: f64 = 1.9;
-/// Samples on each side that two differentiations look at.
-const DIFFERENCE_REACH: usize = 8;
 /// Share of the filters' length that carries all but 10⁻⁴ of a step: with the whole length left out around stick,
 /// no parameter of the simulated rig's knobs differs.
 const EFFECTIVE: f64 = 0.4;
-/// Rows that the band should give if the sample rate permits: fewer make poor intervals.
-const FEWEST_ROWS: f64 = 200.0;
 /// Scatter of an exact derivative column, relative to its RMS: rounding, not measurement.
 const EXACT: f64 = 1e-7;
 
@@ -73,61 +57,6 @@ pub(crate) struct KnobMotion {
     pub(crate) lag_s: f64,
     /// Frequency from which the accelerometer has the greater share, Hz; infinite if it took no part.
     pub(crate) equal_hz: f64,
-}
-
-/// The band in which torque and motion are compared.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Band {
-    /// Upper edge, Hz.
-    pub(crate) edge_hz: f64,
-    /// Torque noise, if it is white as the upper end of its spectrum says, mNm.
-    pub(crate) torque_noise_mnm: f64,
-    /// Edge of the widest band in which the acceleration is signal, Hz.
-    pub(crate) clear_hz: f64,
-    /// Density of the encoder's noise in the band, rad²/Hz.
-    pub(crate) angle_density: f64,
-}
-
-impl Band {
-    /// A band whose edge does not depend on the angle's noise, of which nothing is known.
-    pub(crate) fn fixed(edge_hz: f64, torque_noise_mnm: f64) -> Self {
-        Self { edge_hz, torque_noise_mnm, clear_hz: f64::INFINITY, angle_density: 0.0 }
-    }
-
-    /// As wide as the torque's excess over its noise reaches, no wider: beyond, there is only noise, and that
-    /// of a twice differentiated angle grows fast. An exact motion has none and takes the widest band.
-    pub(crate) fn of(uniform: &Uniform, exact: bool, calibration: Option<&Calibration>) -> Self {
-        let rate_hz = uniform.rate_hz;
-        let floor = uniform.torque_density;
-        let torque_noise_mnm = uniform.torque_noise_mnm();
-        let widest_hz = WIDEST * rate_hz;
-        if exact {
-            return Self::fixed(widest_hz, torque_noise_mnm);
-        }
-        let torque = Spectrum::welch(&uniform.torque_mnm, rate_hz);
-        let reach_hz = torque.power_below(1.0 - POWER_BEYOND_BAND, 2.0 * floor);
-        let AngleSpectrum { sweep_hz, clear_hz, noise_density: angle_density } =
-            AngleSpectrum::of(&uniform.angle_rad, rate_hz);
-        // An accelerometer sees what the encoder does not, contact above all, whose spectrum looks like a noise.
-        let (clear_hz, angle_density) = match uniform.acceleration_rad_s2 {
-            Some(_) => (f64::INFINITY, white_density(&uniform.angle_rad, rate_hz)),
-            None => (clear_hz.max(sweep_hz), angle_density),
-        };
-        let duration_s = uniform.torque_mnm.len() as f64 / rate_hz;
-        let enough_hz = FEWEST_ROWS / (ROWS_PER_EDGE * duration_s);
-        let lowest_hz = (NARROWEST_PER_SWEEP * sweep_hz).max(enough_hz);
-        let lag_s = calibration.map_or(0.0, |known| known.torque_delay_s.abs());
-        let alike_hz = (WIDEST_PER_LAG / lag_s).max(enough_hz);
-        let wanted_hz = (1.25 * reach_hz).min(WIDEST_PER_SWEEP * sweep_hz).max(lowest_hz);
-        let edge_hz = wanted_hz.min(alike_hz).min(clear_hz).min(widest_hz);
-        Self { edge_hz, torque_noise_mnm, clear_hz, angle_density }
-    }
-
-    /// The band widened for detents of a wavenumber (1/rad) that the knob crosses at a speed; `None` if it need not be.
-    pub(crate) fn widened(&self, wavenumber: f64, speed_rad_s: f64, rate_hz: f64) -> Option<Self> {
-        let needed_hz = (1.2 * wavenumber * speed_rad_s / TAU).min(WIDEST * rate_hz);
-        (needed_hz > 1.2 * self.edge_hz).then_some(Self { edge_hz: needed_hz, ..*self })
-    }
 }
 
 impl KnobMotion {
@@ -209,7 +138,7 @@ impl KnobMotion {
             exact: false,
             velocity_noise_rad_s: velocity_noise_rad_s(angle_density, cutoff_hz, equal_hz),
             cutoff_hz,
-            reach: (EFFECTIVE * (smoother.half_length() + DIFFERENCE_REACH) as f64) as usize,
+            reach: (EFFECTIVE * (smoother.half_length() + 2 * GRADIENT_REACH) as f64) as usize,
             accelerometer: sensors.is_some(),
             angle_density,
             compliance_rad_mnm: compliance_rad_mnm(calibration),
@@ -293,9 +222,6 @@ pub fn knob_motion(samples: &Samples<'_>, calibration: Option<&Calibration>) -> 
     Ok(nearest.collect())
 }
 
-/// Samples on each side that [`gradient`] looks at.
-pub(crate) const GRADIENT_REACH: usize = 4;
-
 /// Standard deviation of the velocity's noise up to `cutoff_hz`: white angle noise differentiated, of which the
 /// accelerometer leaves the share 1/(1 + (f/f₀)⁴) where it takes part from `equal_hz` on.
 fn velocity_noise_rad_s(angle_density: f64, cutoff_hz: f64, equal_hz: f64) -> f64 {
@@ -308,45 +234,6 @@ fn integral(edge_hz: f64, density: impl Fn(f64) -> f64) -> f64 {
     const STEPS: u32 = 256;
     let width_hz = edge_hz / f64::from(STEPS);
     width_hz * (0..STEPS).map(|step| density((f64::from(step) + 0.5) * width_hz)).sum::<f64>()
-}
-
-/// Derivative per second by central differences of eighth order, of lower order towards the ends.
-///
-/// Plain central differences take (ωh)²/6 off a signal, ω its frequency and h the sample period: at 100 Hz and
-/// 10 kHz that already shifts an inertia by more than its interval. Eighth order takes off (ωh)⁸/630.
-pub(crate) fn gradient(signal: &[f64], rate_hz: f64) -> Vec<f64> {
-    const WEIGHTS: [&[f64]; GRADIENT_REACH] = [
-        &[1.0 / 2.0],
-        &[2.0 / 3.0, -1.0 / 12.0],
-        &[3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0],
-        &[4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0],
-    ];
-    let last = signal.len() - 1;
-    let towards_end = |index: usize| match index.min(last - index).min(WEIGHTS.len()) {
-        0 if last == 0 => 0.0,
-        0 if index == 0 => (signal[1] - signal[0]) * rate_hz,
-        0 => (signal[last] - signal[last - 1]) * rate_hz,
-        order => {
-            let pairs = WEIGHTS[order - 1].iter().zip(1..);
-            rate_hz * pairs.map(|(weight, at)| weight * (signal[index + at] - signal[index - at])).sum::<f64>()
-        }
-    };
-    let weights = std::array::from_fn(|at| WEIGHTS[GRADIENT_REACH - 1][at] * rate_hz);
-    let mut rate = vec![0.0; signal.len()];
-    let inside = GRADIENT_REACH..signal.len().saturating_sub(GRADIENT_REACH);
-    if !inside.is_empty() {
-        vector::differences(signal, weights, &mut rate[inside.clone()]);
-    }
-    for index in (0..signal.len()).filter(|index| !inside.contains(index)) {
-        rate[index] = towards_end(index);
-    }
-    rate
-}
-
-/// A Butterworth low-pass run both ways.
-pub(crate) fn low_pass(order: usize, edge_hz: f64, rate_hz: f64, signal: &[f64]) -> Vec<f64> {
-    butterworth_low_pass(order, edge_hz, rate_hz)
-        .map_or_else(|| signal.to_vec(), |sections| sections.filter_zero_phase(signal))
 }
 
 /// The common low-pass of angle and torque before anything is masked.
@@ -381,13 +268,6 @@ fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
     }
     let difference = (square / weight.max(f64::MIN_POSITIVE)).sqrt();
     (lag / weight.max(f64::MIN_POSITIVE)).abs() < 0.01 / rate_hz && difference < 0.1 / rate_hz
-}
-
-/// Standard deviation of white noise as the fourth differences show it; motion hardly shows there.
-pub(crate) fn scatter(signal: &[f64]) -> f64 {
-    let mut fourth: Vec<f64> =
-        signal.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
-    median(&mut fourth) / MEDIAN_FOURTH_DIFFERENCE
 }
 
 /// A signal without its first-order lag, as accelerometers have at their output: lag times rate is added.

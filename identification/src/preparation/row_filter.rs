@@ -1,26 +1,30 @@
-//! Mask first, then filter: the relation between torque and motion stays exactly linear.
+//! Mask, low-pass and decimation by which samples become rows: the mask comes first, so that the relation between torque and
+//! motion stays exactly linear.
 
 use std::f64::consts::PI;
 use std::ops::Range;
 
 use dynamics::{Effect, effects};
 
+use super::band::Band;
 use super::filter::Fir;
-use super::motion::{Band, KnobMotion, ROWS_PER_EDGE};
+use super::motion::KnobMotion;
 use super::uniform::{Uniform, whole};
 use crate::numerics::fourier::Response;
 use crate::numerics::vector;
 use crate::uncertainty::statistics::{rms, runs};
 
-/// Time around stick and reversals that is left out besides what the filters reach, s: the smoothed speed rises
+/// Time around stick and reversals that is left out beyond the reach of the filters, s: the smoothed speed rises
 /// before the knob breaks away, and contact rings.
-const GUARD_S: f64 = 0.002;
+pub(crate) const GUARD_S: f64 = 0.002;
 /// Time over which the mask fades in and out, s: at a hard edge, noise from beyond the band would fold into it.
 const FADE_S: f64 = 0.002;
 /// Speed below which a knob may be sticking, as a share of the RMS speed.
-const SLOW: f64 = 0.01;
+pub(crate) const SLOW: f64 = 0.01;
 /// Half length of the low-pass in periods of its edge: a Hamming window's transition is then as wide as the edge.
-pub(crate) const HALF_LENGTH_PERIODS: f64 = 1.65;
+const HALF_LENGTH_PERIODS: f64 = 1.65;
+/// Rows are kept at this multiple of the band's edge.
+pub(crate) const ROWS_PER_EDGE: f64 = 2.5;
 /// Samples that are filtered together: few enough to stay in a processor's cache.
 const BLOCK: usize = 2048;
 
@@ -35,7 +39,7 @@ pub(crate) struct RowFilter {
     pub(crate) step: usize,
     /// Speed below which samples are masked, rad/s.
     pub(crate) threshold_rad_s: f64,
-    /// What the rows pass last.
+    /// A further linear response that the rows pass after decimation.
     pub(crate) response: Option<Response>,
 }
 
@@ -53,21 +57,19 @@ impl RowFilter {
         if !motion.exact {
             fade(&mut mask, samples(FADE_S, rate_hz));
         }
-        let step = whole(rate_hz / (ROWS_PER_EDGE * band.edge_hz)).max(1);
-        let half_length = (HALF_LENGTH_PERIODS * rate_hz / band.edge_hz).round() as usize;
         Self {
             rate_hz,
             mask,
-            fir: Fir::low_pass(half_length, band.edge_hz, rate_hz),
-            step,
+            fir: row_low_pass(band.edge_hz, rate_hz),
+            step: row_step(band.edge_hz, rate_hz),
             threshold_rad_s,
             response: None,
         }
     }
 
-    /// The row filter of the samples that the mask leaves out for nothing but the filters' reach to where the knob turns round without
-    /// a rest; `None` if there are none.
-    pub(crate) fn next_to_standstill(&self, uniform: &Uniform, motion: &KnobMotion) -> Option<Self> {
+    /// The same filter for other samples: those that the mask leaves out only because the filters reach from there to a turning point
+    /// at which the knob does not rest. `None` if there are none.
+    pub(crate) fn next_to_turning_points(&self, uniform: &Uniform, motion: &KnobMotion) -> Option<Self> {
         if motion.exact {
             return None;
         }
@@ -147,39 +149,51 @@ impl RowFilter {
         spread
     }
 
-    /// What the rows amount to in fully weighted ones.
+    /// Number of rows that the mask leaves, each counted by the square of its weight.
     pub(crate) fn weight(&self) -> f64 {
         vector::dot(&self.mask, &self.mask) / self.step as f64
     }
 
-    /// Number of samples that are not masked.
+    /// Number of samples that the mask does not set to zero.
     pub(crate) fn sliding(&self) -> usize {
         self.mask.iter().filter(|mask| **mask > 0.0).count()
     }
+}
+
+/// The low-pass before rows are kept in a band.
+pub(crate) fn row_low_pass(edge_hz: f64, rate_hz: f64) -> Fir {
+    Fir::low_pass((HALF_LENGTH_PERIODS * rate_hz / edge_hz).round() as usize, edge_hz, rate_hz)
+}
+
+/// Every how many samples a row is kept in a band.
+pub(crate) fn row_step(edge_hz: f64, rate_hz: f64) -> usize {
+    whole(rate_hz / (ROWS_PER_EDGE * edge_hz)).max(1)
 }
 
 fn samples(duration_s: f64, rate_hz: f64) -> usize {
     (duration_s * rate_hz).round() as usize
 }
 
-/// 0 at slow and at lost samples, at both ends, and as far around slow samples as `guard` says for the length of their run. Where a measured
-/// velocity changes its sign from one sample to the next, both are slow, however fast they are.
+/// The mask without fading: zero at slow and at lost samples, within the filters' reach of lost samples and of both ends, and as many
+/// samples around a run of slow ones as `guard` gives for its length.
+///
+/// Where a measured velocity changes its sign from one sample to the next, both count as slow.
 fn mask(uniform: &Uniform, motion: &KnobMotion, threshold_rad_s: f64, guard: impl Fn(usize) -> usize) -> Vec<f64> {
     let length = motion.len();
     let mut mask = vec![1.0; length];
-    let settle = motion.reach.min(length);
+    let reach = motion.reach.min(length);
     let velocity = &motion.velocity_rad_s;
     let mut is_slow: Vec<bool> = velocity.iter().map(|velocity| velocity.abs() <= threshold_rad_s).collect();
     let turns = |after: &usize| !motion.exact && velocity[after - 1] * velocity[*after] < 0.0;
     (1..length).filter(turns).for_each(|after| is_slow[after - 1..=after].fill(true));
     blank_runs(&mut mask, &is_slow, |is_slow| *is_slow, guard);
-    blank_runs(&mut mask, &uniform.present, |is_present| !is_present, |_| settle);
-    mask[..settle].fill(0.0);
-    mask[length - settle..].fill(0.0);
+    blank_runs(&mut mask, &uniform.present, |is_present| !is_present, |_| reach);
+    mask[..reach].fill(0.0);
+    mask[length - reach..].fill(0.0);
     mask
 }
 
-/// Sets the mask to zero at every run of samples that are to be `left_out`, and as far around it as `guard` says for its length.
+/// Sets the mask to zero at every run of samples to be `left_out`, and as many samples around it as `guard` gives for its length.
 fn blank_runs<T>(mask: &mut [f64], samples: &[T], left_out: impl Fn(&T) -> bool, guard: impl Fn(usize) -> usize) {
     let runs = runs(samples, |one, other| left_out(one) == left_out(other));
     for run in runs.filter(|run| left_out(&samples[run.start])) {
@@ -203,7 +217,7 @@ fn fade(mask: &mut [f64], length: usize) {
     sweep(&mut mask.iter_mut().rev());
 }
 
-/// Writes an effect's leading columns for a range of samples; zeros may stand for those that take no part.
+/// Writes an effect's leading columns for a range of samples; samples that take no part may be zero.
 pub(crate) fn fill(
     effect: &Effect,
     motion: &KnobMotion,

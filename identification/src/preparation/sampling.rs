@@ -5,14 +5,14 @@
 //! jumps from reading to reading fill the spectrum up to half the logger's rate. Only the readings are kept.
 
 use crate::numerics::vector;
-use crate::samples::{Rows, Samples};
+use crate::samples::{PickedSamples, Samples};
 use crate::uncertainty::statistics::quantile;
 
 /// Fewest readings that show a rate of their own.
 const FEWEST_READINGS: usize = 50;
 /// A value is held, or a line straight, up to this share of the channel's typical change: what decimals in a file leave.
 const ROUNDING: f64 = 1e-4;
-/// Least distance of two readings, in samples: below, some samples lie between none.
+/// Least mean distance of readings, in samples: below, hardly any sample lies between two of them.
 const LEAST_DISTANCE: f64 = 1.8;
 /// Share of the readings' distances that must be the same but for one sample.
 const REGULAR: f64 = 0.9;
@@ -28,56 +28,56 @@ enum Between {
     Interpolated,
 }
 
-/// The readings among checked samples, and what was recognised, in a sentence; `None` if every sample is one.
-pub(crate) fn own_readings(samples: &Samples<'_>) -> Option<(Rows, String)> {
+/// The samples that are readings, and how they were recognised, in a sentence; `None` if every sample is a reading.
+pub(crate) fn own_readings(samples: &Samples<'_>) -> Option<(PickedSamples, String)> {
     let angle = readings(samples.angle_rad, vector::smallest_step(samples.angle_rad));
     let torque = readings(samples.torque_mnm, 0.0);
-    // The slower channel: at the places of its readings the other one is known too.
-    let (channel, (between, places)) = [("angle", angle), ("torque", torque)]
+    // The channel with fewer readings: at the times of its readings the other one is known too.
+    let (channel, (between, indices)) = [("angle", angle), ("torque", torque)]
         .into_iter()
         .filter_map(|(channel, found)| found.map(|found| (channel, found)))
-        .min_by_key(|(_, (_, places))| places.len())?;
+        .min_by_key(|(_, (_, indices))| indices.len())?;
     let word = match between {
         Between::Held => "repeats each reading",
         Between::Interpolated => "is a straight line from reading to reading",
     };
-    let distance = samples.t_s.len() as f64 / places.len() as f64;
+    let distance = samples.t_s.len() as f64 / indices.len() as f64;
     let note = format!(
         "the {channel} channel {word}, over {distance:.1} samples each: only the {} readings were used",
-        places.len()
+        indices.len()
     );
-    Some((Rows::of(samples, &places), note))
+    Some((PickedSamples::of(samples, &indices), note))
 }
 
-/// The places of a channel's readings, if they lie regularly apart; `step` is the channel's own, 0 if it has none.
+/// The indices of a channel's readings, if they lie regularly apart; `step` is the sensor's, 0 if it has none.
 fn readings(signal: &[f64], step: f64) -> Option<(Between, Vec<usize>)> {
     let changes: Vec<f64> = signal.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let bends: Vec<f64> = changes.windows(2).map(|pair| pair[1] - pair[0]).collect();
     // A held value changes on arriving at the reading; a line bends at it.
-    let held = regular(&changes).filter(|places| {
-        let mut sizes: Vec<f64> = places.iter().map(|place| changes[*place].abs()).collect();
+    let held = regular_nonzero(&changes).filter(|indices| {
+        let mut sizes: Vec<f64> = indices.iter().map(|index| changes[*index].abs()).collect();
         quantile(&mut sizes, 0.5) >= FEWEST_STEPS * step
     });
-    let interpolated = || regular(&bends).map(|places| (Between::Interpolated, places));
-    let (between, places) = held.map(|places| (Between::Held, places)).or_else(interpolated)?;
-    Some((between, places.into_iter().map(|place| place + 1).collect()))
+    let interpolated = || regular_nonzero(&bends).map(|indices| (Between::Interpolated, indices));
+    let (between, indices) = held.map(|indices| (Between::Held, indices)).or_else(interpolated)?;
+    Some((between, indices.into_iter().map(|index| index + 1).collect()))
 }
 
-/// The places where `differences` are not nothing, if those lie regularly apart.
-fn regular(differences: &[f64]) -> Option<Vec<usize>> {
+/// The indices of the differences that are more than rounding, if those lie regularly apart.
+fn regular_nonzero(differences: &[f64]) -> Option<Vec<usize>> {
     let mut sizes: Vec<f64> = differences.iter().map(|difference| difference.abs()).collect();
-    let too_many = |places: usize| (differences.len() as f64) < LEAST_DISTANCE * places as f64;
-    // The largest one shows faster than a quantile that a channel changes everywhere, as most do.
+    let too_many = |count: usize| (differences.len() as f64) < LEAST_DISTANCE * count as f64;
+    // Most channels change at every sample, which the largest difference shows faster than a quantile.
     let (_, largest) = vector::extent(&sizes)?;
     if too_many(sizes.iter().filter(|size| **size > ROUNDING * largest).count()) {
         return None;
     }
-    let nothing = ROUNDING * quantile(&mut sizes, 0.99);
-    let places: Vec<usize> = (0..differences.len()).filter(|place| differences[*place].abs() > nothing).collect();
-    if places.len() < FEWEST_READINGS || too_many(places.len()) {
+    let rounding = ROUNDING * quantile(&mut sizes, 0.99);
+    let indices: Vec<usize> = (0..differences.len()).filter(|index| differences[*index].abs() > rounding).collect();
+    if indices.len() < FEWEST_READINGS || too_many(indices.len()) {
         return None;
     }
-    let distances: Vec<usize> = places.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let distances: Vec<usize> = indices.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let typical = *distances.clone().select_nth_unstable(distances.len() / 2).1;
     let share = |is_regular: &dyn Fn(usize) -> bool| {
         distances.iter().filter(|distance| is_regular(**distance)).count() as f64 / distances.len() as f64
@@ -86,9 +86,9 @@ fn regular(differences: &[f64]) -> Option<Vec<usize>> {
     // the line through it, leaves a distance of several.
     let is_regular = share(&|distance| distance.abs_diff(typical) <= 1) >= REGULAR
         || share(&|distance| distance.is_multiple_of(typical)) >= REGULAR;
-    let readings = places.iter().zip(distances.iter().chain([&1])).flat_map(|(place, distance)| {
+    let readings = indices.iter().zip(distances.iter().chain([&1])).flat_map(|(index, distance)| {
         let count = if distance.is_multiple_of(typical) { distance / typical } else { 1 };
-        (0..count).map(move |reading| place + reading * typical)
+        (0..count).map(move |reading| index + reading * typical)
     });
     (is_regular && typical >= 2).then(|| readings.collect())
 }

@@ -1,14 +1,14 @@
-//! Stretches where a sensor stood at the end of its range, or stood still although the knob turned.
+//! Stretches where a channel was saturated, or an encoder frozen while the knob turned.
 
 use std::ops::Range;
 
 use crate::numerics::vector;
 use crate::uncertainty::statistics::{rms, runs};
 
-/// Shortest run of equal values that may be a rail, samples.
+/// Shortest run of equal values at an end of the range that may be saturation, samples.
 const SHORTEST: usize = 5;
-/// A rail's runs are this many times as long as the longest run of equal values within the range: that one tells what
-/// noise, steps and rests of this very channel bring about.
+/// A saturated channel's longest run is this many times as long as its longest run of equal values within the range, which
+/// noise, steps and rests make.
 const BEYOND_WITHIN: usize = 3;
 /// Shortest run of one angle that may be a frozen encoder, samples.
 const SHORTEST_FROZEN: usize = 20;
@@ -19,7 +19,7 @@ const MORE_THAN_A_STEP: f64 = 1.5;
 /// Steps on either side of a run that tell how fast the knob was.
 const NEARBY: usize = 10;
 
-/// Where a channel reads its largest or smallest value for longer than its noise makes probable.
+/// Where a channel reads its largest or smallest value for longer than noise explains: its rails.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Saturation {
     pub(crate) runs: Vec<Range<usize>>,
@@ -31,21 +31,15 @@ pub(crate) struct Saturation {
 impl Saturation {
     pub(crate) fn of(values: &[f64]) -> Self {
         let runs = runs_of_equal(values);
-        let Some((low, high)) = vector::extent(values).filter(|_| runs.iter().any(|run| run.len() >= SHORTEST)) else {
-            return Self::default();
-        };
-        let extreme = |value: f64| value == low || value == high;
-        let within = runs.iter().filter(|run| !extreme(values[run.start])).map(ExactSizeIterator::len).max();
+        let Some((low, high)) = vector::extent(values) else { return Self::default() };
+        let is_end = |value: f64| value == low || value == high;
+        let within = runs.iter().filter(|run| !is_end(values[run.start])).map(ExactSizeIterator::len).max();
         let least = SHORTEST.max(BEYOND_WITHIN * within.unwrap_or(1));
         // A channel that only knows two values has no range between them.
-        if values.iter().all(|value| extreme(*value))
-            || !runs.iter().any(|run| extreme(values[run.start]) && run.len() >= least)
-        {
-            return Self::default();
-        }
-        // Once an end of the range is known to be a rail, shorter visits to it are no measurements either.
-        let is_rail = |rail: f64| runs.iter().any(|run| values[run.start] == rail && run.len() >= least);
-        let (low, high) = (Some(low).filter(|rail| is_rail(*rail)), Some(high).filter(|rail| is_rail(*rail)));
+        let has_range = values.iter().any(|value| !is_end(*value));
+        let is_rail = |end: &f64| has_range && runs.iter().any(|run| values[run.start] == *end && run.len() >= least);
+        let (low, high) = (Some(low).filter(is_rail), Some(high).filter(is_rail));
+        // Shorter runs at a rail are no measurements either.
         let runs = runs.into_iter().filter(|run| [low, high].contains(&Some(values[run.start]))).collect();
         Self { runs, low, high }
     }
@@ -56,7 +50,7 @@ impl Saturation {
     }
 
     /// Whether a sample is at a rail.
-    pub(crate) fn holds(&self, index: usize) -> bool {
+    pub(crate) fn contains(&self, index: usize) -> bool {
         let after = self.runs.partition_point(|run| run.start <= index);
         after > 0 && self.runs[after - 1].contains(&index)
     }
@@ -94,7 +88,7 @@ pub(crate) fn frozen(angle_rad: &[f64], torque_mnm: &[f64]) -> Vec<Range<usize>>
         if torque.iter().all(|value| *value == torque[0]) {
             return false;
         }
-        // Step number n leads from sample n to n + 1; the one out of the run is number run.end − 1.
+        // steps[n] leads from sample n to sample n + 1, so that steps[run.end − 1] leads out of the run.
         let before = run.start.saturating_sub(NEARBY + 1)..run.start.saturating_sub(1);
         let after = run.end.min(steps.len())..(run.end + NEARBY).min(steps.len());
         let out = steps.get(run.end - 1).map_or(0.0, |step| step.abs());

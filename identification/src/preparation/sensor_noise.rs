@@ -8,7 +8,8 @@
 
 use std::f64::consts::TAU;
 
-use super::motion::{Band, KnobMotion};
+use super::band::Band;
+use super::motion::KnobMotion;
 use super::row_filter::RowFilter;
 
 /// Frequencies at which the noise's spectrum is summed.

@@ -5,10 +5,11 @@ use dynamics::Calibration;
 use super::sampling::own_readings;
 use super::saturation::{Saturation, frozen, frozen_note};
 use super::spectrum::Spectrum;
-use crate::samples::{Rows, Samples};
+use crate::numerics::interpolation::advance;
+use crate::samples::{PickedSamples, Samples};
 use crate::uncertainty::statistics::{mean, median};
 
-/// Relative scatter of the sample times from which a capture is interpolated onto an even grid.
+/// Scatter of the sample period, relative to its mean, from which a capture is interpolated onto an even grid.
 const JITTER: f64 = 0.01;
 /// A step of time longer than this many sample periods is a gap: samples were lost.
 const GAP: f64 = 1.5;
@@ -32,7 +33,7 @@ pub(crate) struct Uniform {
     received: Option<(Vec<f64>, f64)>,
     /// White density of the torque channel's noise, as the upper end of its spectrum shows it, mNm²/Hz.
     pub(crate) torque_density: f64,
-    /// Whether the grid point was measured; false inside gaps, and where a sensor stood at its rail or still.
+    /// Whether the grid point was measured; false inside gaps, and where a sensor was saturated or frozen.
     pub(crate) present: Vec<bool>,
     /// Grid points that stand for lost samples.
     pub(crate) lost: usize,
@@ -44,7 +45,7 @@ impl Uniform {
     /// Places checked samples on a grid of their median period.
     pub(crate) fn of(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Self {
         let (readings, note) = own_readings(samples).unzip();
-        let samples = &readings.as_ref().map_or(*samples, Rows::samples);
+        let samples = &readings.as_ref().map_or(*samples, PickedSamples::samples);
         let mut uniform = Self::on_grid(samples);
         uniform.leave_out_faults(samples, calibration);
         uniform.notes.extend(note);
@@ -67,7 +68,7 @@ impl Uniform {
         let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let gaps = steps.iter().filter(|step| **step > GAP * typical).count();
         let regular: Vec<f64> = steps.iter().copied().filter(|step| *step <= GAP * typical).collect();
-        let step = exact(mean(&regular));
+        let step = rounded(mean(&regular));
         let scatter =
             (regular.iter().map(|s| (s / step - 1.0).powi(2)).sum::<f64>() / regular.len().max(1) as f64).sqrt();
         if gaps == 0 && scatter < JITTER {
@@ -83,7 +84,8 @@ impl Uniform {
             compressed.push(pair[1] - time[0] - excess);
         }
         let length = (compressed[count - 1] / step + 1e-6) as usize + 1;
-        let mut places = Vec::with_capacity(length);
+        // Each grid point's sample before it, the share of the way to the next one, and whether the capture covers it.
+        let mut points = Vec::with_capacity(length);
         let mut index = 0;
         for point in 0..length {
             let at = point as f64 * step;
@@ -93,12 +95,12 @@ impl Uniform {
             let interval = compressed[index + 1] - compressed[index];
             let share = ((at - compressed[index]) / interval).clamp(0.0, 1.0);
             let near = share * interval < 0.25 * step || (1.0 - share) * interval < 0.25 * step;
-            places.push((index, share, interval <= GAP * step || near));
+            points.push((index, share, interval <= GAP * step || near));
         }
         let sampled = |column: &[f64]| {
-            places.iter().map(|(i, share, _)| column[*i] + share * (column[*i + 1] - column[*i])).collect::<Vec<_>>()
+            points.iter().map(|(i, share, _)| column[*i] + share * (column[*i + 1] - column[*i])).collect::<Vec<_>>()
         };
-        Self::of_columns(samples, step, places.iter().map(|place| place.2).collect(), sampled)
+        Self::of_columns(samples, step, points.iter().map(|point| point.2).collect(), sampled)
     }
 
     /// The columns on the grid, each as `sampled` there.
@@ -124,8 +126,8 @@ impl Uniform {
         }
     }
 
-    /// Marks samples where a channel stood at its rail or the encoder stood still as not measured, and does without an
-    /// accelerometer that is at its rail: the encoder tells the same.
+    /// Marks samples as not measured where the torque channel is saturated or the encoder frozen, and drops the acceleration if
+    /// it is saturated: the encoder measures it too.
     fn leave_out_faults(&mut self, samples: &Samples<'_>, calibration: Option<&Calibration>) {
         let torque = Saturation::of(samples.torque_mnm);
         let frozen = frozen(samples.angle_rad, samples.torque_mnm);
@@ -200,26 +202,25 @@ impl Uniform {
     }
 }
 
-/// The time from most samples to the next, s, and whether it is the same from each: without gaps and jitter, and so without
-/// anything to sort.
+/// The sample period, s: the mean step where all steps are alike, else their median; and whether they are alike.
 pub(crate) fn typical_step(time: &[f64]) -> (f64, bool) {
     let mean = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
     let farthest = time.iter().zip(&time[1..]).map(|(left, right)| (right - left - mean).abs()).fold(0.0, f64::max);
     if farthest < JITTER * mean {
-        return (exact(mean), true);
+        return (rounded(mean), true);
     }
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    (exact(median(&mut steps)), false)
+    (rounded(median(&mut steps)), false)
 }
 
-/// The step of which the rate has twelve digits: all that times in a file have, wherever they begin.
-fn exact(step_s: f64) -> f64 {
+/// The step whose rate is rounded to twelve digits, which is all that differences of a file's times have.
+fn rounded(step_s: f64) -> f64 {
     let rate_hz = 1.0 / step_s;
     let unit = 10.0_f64.powf(rate_hz.log10().floor() - 11.0);
     1.0 / ((rate_hz / unit).round() * unit)
 }
 
-/// The whole part of a number of samples, one that is whole but for rounding being itself.
+/// The whole part of a number of samples; a number just below a whole one for rounding alone counts as that.
 pub(crate) fn whole(samples: f64) -> usize {
     (samples * (1.0 + 1e-9)) as usize
 }
@@ -239,34 +240,6 @@ fn lagged(signal: &[f64], lag: f64) -> Vec<f64> {
             state = value - slope * lag + (state - previous + slope * lag) * decay;
             previous = *value;
             state
-        })
-        .collect()
-}
-
-/// The samples from one before a place to two after it, between which its value is interpolated.
-pub(crate) const NEIGHBOURS: [f64; 4] = [-1.0, 0.0, 1.0, 2.0];
-
-/// Lagrange's weights of the values at four places for that of the cubic through them at another.
-pub(crate) fn cubic_weights(places: [f64; 4], at: f64) -> [f64; 4] {
-    let others = |one: f64| places.into_iter().filter(move |other| *other != one);
-    let product = |from: f64, one: f64| others(one).map(|other| from - other).product::<f64>();
-    places.map(|one| product(at, one) / product(one, one))
-}
-
-/// The signal `shift` samples later, interpolated by cubic polynomials; the ends are held.
-pub(crate) fn advance(signal: &[f64], shift: f64) -> Vec<f64> {
-    if shift == 0.0 || signal.is_empty() {
-        return signal.to_vec();
-    }
-    let whole = shift.floor();
-    let part = shift - whole;
-    let last = signal.len() as isize - 1;
-    let at = |index: isize| signal[index.clamp(0, last) as usize];
-    let weights = cubic_weights(NEIGHBOURS, part);
-    (0..signal.len() as isize)
-        .map(|index| {
-            let base = index + whole as isize;
-            weights.iter().zip(-1..).map(|(weight, offset)| weight * at(base + offset)).sum()
         })
         .collect()
 }

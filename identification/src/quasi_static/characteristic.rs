@@ -3,9 +3,9 @@
 use dynamics::Motion;
 use nalgebra::DMatrix;
 
-use super::block_sums::{BlockSums, Estimate};
 use super::{Fitted, Map};
 use crate::estimate::Fit;
+use crate::regression::block_sums::{BlockSums, Estimate};
 use crate::regression::characteristic::{Measured, NO_DETENTS, Places, measure};
 use crate::samples::Samples;
 

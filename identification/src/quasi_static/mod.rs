@@ -1,48 +1,26 @@
 //! A knob that was turned too slowly for its speed to be estimated: torque against angle and direction alone.
 //!
-//! Stepped or creeping captures map the torque along the angle. Inertia and viscous friction have no part in them; Coulomb
+//! Stepped or creeping captures map the torque over the angle. Inertia and viscous friction have no part in them; Coulomb
 //! friction shows as the distance between passes in the two directions, and detents as sinusoids of the angle,
 //! counted per turn where a whole turn was covered.
 
-mod block_sums;
 mod characteristic;
-mod matching_pursuit;
+mod map;
+
+use dynamics::{Effect, ParameterKind, effects};
 
 use crate::estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 use crate::fit::report::prediction_sd;
-use crate::numerics::vector::{extent, smallest_step};
 use crate::options::FitOptions;
-use crate::preparation::motion::{KnobMotion, scatter};
-use crate::preparation::saturation::Saturation;
-use crate::samples::{FEWEST_SAMPLES, Samples};
-use crate::uncertainty::statistics::{NORMAL_95, mean, median};
-use block_sums::{BlockSums, Estimate, critical};
-use dynamics::{Effect, ParameterKind, effects};
-use matching_pursuit::Grid;
-pub(crate) use matching_pursuit::of_turns;
+use crate::preparation::uniform::typical_step;
+use crate::regression::block_sums::{BlockSums, Estimate, critical};
+use crate::samples::Samples;
+use crate::sinusoids::matching_pursuit::{self, Grid};
+use crate::uncertainty::statistics::{NORMAL_95, interval, mean, noise_deviation};
+use map::Friction;
+pub(crate) use map::Map;
 
-/// Fewest rows of a direction from which its friction is told.
-const FEWEST_ROWS: usize = FEWEST_SAMPLES / 4;
-/// A reversal counts once the knob has come back by this many times what the encoder resolves.
-const REVERSAL: f64 = 10.0;
-/// Travel in units of a counted reversal from which it is a motion and no noise.
-const LEAST_TRAVEL: f64 = 20.0;
-/// Mean speed of the passes above which inertia and viscous friction of a knob are no longer small beside the rest, rad/s.
-const FASTEST_RAD_S: f64 = 0.5;
-/// The travel is divided into this many places …
-const PLACES: usize = 50;
-/// … of which this share must have been visited: a jump from one place to another is no map.
-const VISITED: f64 = 0.8;
-
-/// The rows of a map, as a motion: of the speed only its direction and its mean can be estimated, of the acceleration nothing.
-pub(crate) struct Map {
-    pub(crate) motion: KnobMotion,
-    pub(crate) torque_mnm: Vec<f64>,
-    directions: Vec<i8>,
-    saturation: Saturation,
-}
-
-/// Fits friction and the sinusoids of the angle to checked samples; `None` if the knob did not wander slowly through its travel.
+/// Fits friction and the sinusoids of the angle to checked samples; `None` if the knob did not pass slowly through its travel.
 pub(crate) fn fit(samples: &Samples<'_>, options: &FitOptions) -> Option<Fit> {
     let map = Map::of(samples, options.is_quasi_static)?;
     if options.characteristic {
@@ -68,59 +46,13 @@ pub(crate) fn fit(samples: &Samples<'_>, options: &FitOptions) -> Option<Fit> {
     Some(fitted.fit(samples, &map, &frictions, &none, notes))
 }
 
-impl Map {
-    /// The map of checked samples; `None` if the knob did not wander slowly through its travel. A curve has no duration, so that it is never
-    /// too fast.
-    pub(crate) fn of(samples: &Samples<'_>, is_curve: bool) -> Option<Self> {
-        let saturation = Saturation::of(samples.torque_mnm);
-        let step = smallest_step(samples.angle_rad);
-        let duration_s = if is_curve { f64::INFINITY } else { samples.t_s.last()? - samples.t_s.first()? };
-        let directions = directions(samples.angle_rad, duration_s, step)?;
-        let index: Vec<usize> =
-            (0..directions.len()).filter(|at| directions[*at] != 0 && !saturation.holds(*at)).collect();
-        if index.len() < FEWEST_SAMPLES {
-            return None;
-        }
-        let taken = |column: &[f64]| -> Vec<f64> { index.iter().map(|at| column[*at]).collect() };
-        let (time_s, angle_rad) = (taken(samples.t_s), taken(samples.angle_rad));
-        let directions: Vec<i8> = index.iter().map(|at| directions[*at]).collect();
-        let speed_rad_s = mean_speed_rad_s(&time_s, &angle_rad, &directions);
-        let velocity_rad_s = directions.iter().map(|direction| f64::from(*direction) * speed_rad_s).collect();
-        let rate_hz = (index.len() - 1) as f64 / (time_s[index.len() - 1] - time_s[0]);
-        let columns = [time_s, angle_rad, velocity_rad_s, vec![0.0; index.len()]];
-        let motion = KnobMotion::as_given(columns, 0.5 * rate_hz);
-        Some(Self { motion, torque_mnm: taken(samples.torque_mnm), directions, saturation })
-    }
-
-    /// The frictions of the directions that have rows enough.
-    fn frictions(&self) -> Vec<(&'static str, i8)> {
-        [("coulomb_negative", -1), ("coulomb_positive", 1)]
-            .into_iter()
-            .filter(|(_, direction)| self.directions.iter().filter(|d| **d == *direction).count() >= FEWEST_ROWS)
-            .collect()
-    }
-
-    fn friction_column(&self, (_, direction): (&'static str, i8)) -> Vec<f64> {
-        self.directions.iter().map(|d| if *d == direction { f64::from(*d) } else { 0.0 }).collect()
-    }
-
-    fn notes(&self) -> Vec<String> {
-        let mut notes = vec![format!(
-            "the knob turned too slowly for its speed to be measured: torque against angle and direction was fitted, from {} passes",
-            self.directions.chunk_by(|one, other| one == other).count()
-        )];
-        notes.extend(self.saturation.note("torque", "mNm"));
-        notes
-    }
-}
-
-/// The settled map: friction columns first, then sine and cosine of each sinusoid.
+/// A map that was fitted: friction columns first, then sine and cosine of each sinusoid.
 struct Fitted {
     sums: BlockSums,
     estimate: Estimate,
     /// Strongest first.
     harmonics: Vec<Harmonic>,
-    /// Half width of the strongest one's period, phase-independent, rad.
+    /// Half width of the 95 % interval of the strongest one's period, rad.
     period_half_width_rad: f64,
 }
 
@@ -142,12 +74,12 @@ impl Fitted {
         Some(Self { sums, estimate, harmonics, period_half_width_rad })
     }
 
-    /// The fit as it is told.
+    /// The fit with these notes; `no_detents` says why it has no detents, if it has none.
     fn fit(
         &self,
         samples: &Samples<'_>,
         map: &Map,
-        frictions: &[(&'static str, i8)],
+        frictions: &[Friction],
         no_detents: &str,
         notes: Vec<String>,
     ) -> Fit {
@@ -171,7 +103,7 @@ impl Fitted {
         )
     }
 
-    fn parameters(&self, frictions: &[(&'static str, i8)], no_detents: &str) -> Parameters {
+    fn parameters(&self, frictions: &[Friction], no_detents: &str) -> Parameters {
         let slow = "the knob turned too slowly: its speed and acceleration do not stand out of the sensors' noise; \
                     sweep faster"
             .to_owned();
@@ -218,10 +150,10 @@ impl Fitted {
     }
 
     /// Inertia (not estimated), friction and one detent for each sinusoid.
-    fn effects(&self, frictions: &[(&'static str, i8)]) -> Vec<Effect> {
+    fn effects(&self, frictions: &[Friction]) -> Vec<Effect> {
         let coulomb = |name: &str| {
-            let place = frictions.iter().position(|(known, _)| *known == name);
-            place.map_or(0.0, |at| self.estimate.coefficients[at].max(0.0))
+            let column = frictions.iter().position(|(known, _)| *known == name);
+            column.map_or(0.0, |column| self.estimate.coefficients[column].max(0.0))
         };
         let friction = [coulomb("coulomb_negative"), coulomb("coulomb_positive"), 0.0, 0.0];
         let mut effects =
@@ -243,23 +175,8 @@ impl Fitted {
     }
 }
 
-/// Way over time of all neighbouring rows of one pass, rad/s.
-fn mean_speed_rad_s(time_s: &[f64], angle_rad: &[f64], directions: &[i8]) -> f64 {
-    let (mut way_rad, mut duration_s) = (0.0, 0.0);
-    for at in (1..time_s.len()).filter(|at| directions[at - 1] == directions[*at]) {
-        way_rad += f64::from(directions[at]) * (angle_rad[at] - angle_rad[at - 1]);
-        duration_s += time_s[at] - time_s[at - 1];
-    }
-    if duration_s > 0.0 { way_rad / duration_s } else { 0.0 }
-}
-
-fn interval(value: f64, half: f64) -> [f64; 2] {
-    [value - half, value + half]
-}
-
 fn preparation(samples: &Samples<'_>, rows: usize) -> Preparation {
-    let mut steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let rate_hz = 1.0 / median(&mut steps);
+    let rate_hz = 1.0 / typical_step(samples.t_s).0;
     let used = rows as f64 / samples.t_s.len() as f64;
     Preparation {
         method: "quasi-static",
@@ -267,53 +184,8 @@ fn preparation(samples: &Samples<'_>, rows: usize) -> Preparation {
         angle_cutoff_hz: 0.5 * rate_hz,
         band_hz: 0.5 * rate_hz,
         sliding_percent: 100.0 * used,
-        angle_noise_rad: scatter(samples.angle_rad),
-        torque_noise_mnm: scatter(samples.torque_mnm),
+        angle_noise_rad: noise_deviation(samples.angle_rad),
+        torque_noise_mnm: noise_deviation(samples.torque_mnm),
         ..Preparation::default()
     }
-}
-
-/// +1 or −1 for the direction of the pass that a sample belongs to; 0 where that is not known: before the first pass,
-/// and between a turning point and where the knob has surely turned, while friction changes over.
-///
-/// `None` if the knob did not wander slowly through its travel.
-fn directions(angle_rad: &[f64], duration_s: f64, resolution_rad: f64) -> Option<Vec<i8>> {
-    let (lowest, highest) = extent(angle_rad)?;
-    let travel = highest - lowest;
-    let reversal = REVERSAL * resolution_rad.max(scatter(angle_rad));
-    if !reversal.is_finite() || travel < LEAST_TRAVEL * reversal {
-        return None;
-    }
-    let mut visited = [false; PLACES];
-    for angle in angle_rad {
-        visited[(((angle - lowest) / travel * PLACES as f64) as usize).min(PLACES - 1)] = true;
-    }
-    if (visited.iter().filter(|place| **place).count() as f64) < VISITED * PLACES as f64 {
-        return None;
-    }
-    let mut directions = vec![0_i8; angle_rad.len()];
-    let mut direction = 0_i8;
-    let mut path = 0.0;
-    // The furthest points of the pass, and where they were.
-    let (mut low, mut high) = ((angle_rad[0], 0), (angle_rad[0], 0));
-    for (index, angle) in angle_rad.iter().enumerate() {
-        if *angle < low.0 {
-            low = (*angle, index);
-        }
-        if *angle > high.0 {
-            high = (*angle, index);
-        }
-        if direction >= 0 && *angle < high.0 - reversal {
-            directions[high.1 + 1..index].fill(0);
-            path += high.0 - low.0;
-            (direction, low) = (-1, (*angle, index));
-        } else if direction <= 0 && *angle > low.0 + reversal {
-            directions[low.1 + 1..index].fill(0);
-            path += high.0 - low.0;
-            (direction, high) = (1, (*angle, index));
-        }
-        directions[index] = direction;
-    }
-    path += high.0 - low.0;
-    (path < FASTEST_RAD_S * duration_s).then_some(directions)
 }

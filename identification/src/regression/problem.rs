@@ -8,8 +8,10 @@ use nalgebra::{DMatrix, DVector};
 use super::gram::{COLLINEAR, Correction};
 use super::least_squares::LeastSquares;
 use super::refiner::{self, Ended, longest_improving};
+use crate::numerics::derivative::{GRADIENT_REACH, gradient};
 use crate::numerics::vector::{self, dot};
-use crate::preparation::motion::{Band, GRADIENT_REACH, KnobMotion, gradient};
+use crate::preparation::band::Band;
+use crate::preparation::motion::KnobMotion;
 use crate::preparation::row_filter::{self, RowFilter};
 use crate::preparation::sensor_noise::SensorNoise;
 

@@ -19,8 +19,8 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::long_run::{PARZEN_SQUARES, kernel_scale};
 use crate::numerics::vector;
 
-/// Places at which half of the kernel is told apart: products of columns vary slowly.
-const PLACES_PER_HALF: usize = 4;
+/// Most groups of rows that make half of the kernel's width: products of columns vary slowly.
+const GROUPS_PER_HALF: usize = 4;
 /// Least share of a variance that is taken for left: of less, nothing can be said.
 const LEAST_LEFT: f64 = 0.1;
 
@@ -41,7 +41,7 @@ pub(crate) struct Leverage {
     sums: DVector<f64>,
     /// ΣA·A' of any two pairs.
     squares: DMatrix<f64>,
-    /// Half the kernel's width in places.
+    /// Half the kernel's width in groups of rows.
     width: usize,
 }
 
@@ -49,16 +49,16 @@ impl Leverage {
     /// Looks at the `active` ones of `columns` through a kernel of `bandwidth` rows.
     pub(crate) fn of<C: Deref<Target = [f64]>>(columns: &[C], active: &[usize], bandwidth: f64) -> Self {
         let half = (0.5 * bandwidth).round().max(1.0) as usize;
-        let group = half.div_ceil(PLACES_PER_HALF).max(1);
+        let group = half.div_ceil(GROUPS_PER_HALF).max(1);
         let width = half.div_ceil(group);
         let fitted: Vec<&[f64]> = active.iter().map(|index| &*columns[*index]).collect();
-        let places = vector::grouped_products(&fitted, group);
-        let totals: Vec<f64> = places.iter().map(|places| vector::sum(places)).collect();
+        let groups = vector::grouped_products(&fitted, group);
+        let totals: Vec<f64> = groups.iter().map(|groups| vector::sum(groups)).collect();
         let lengths: Vec<f64> = (0..active.len()).map(|index| totals[pair(index, index)].sqrt()).collect();
         let gram = DMatrix::from_fn(active.len(), active.len(), |row, column| {
             totals[pair(row, column)] / (lengths[row] * lengths[column])
         });
-        let windows: Vec<Vec<f64>> = places.iter().map(|places| vector::short_triangle(places, width)).collect();
+        let windows: Vec<Vec<f64>> = groups.iter().map(|groups| vector::triangle(groups, width)).collect();
         let scales: Vec<f64> = (0..active.len())
             .flat_map(|row| (0..=row).map(move |column| (row, column)))
             .map(|(row, column)| 1.0 / (lengths[row] * lengths[column]))
@@ -125,7 +125,7 @@ impl Leverage {
     }
 }
 
-/// Place of a pair in the lower triangle, counted row by row.
+/// Index of a pair in the lower triangle, row by row.
 fn pair(row: usize, column: usize) -> usize {
     let (row, column) = (row.max(column), row.min(column));
     row * (row + 1) / 2 + column

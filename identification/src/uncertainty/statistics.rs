@@ -73,6 +73,11 @@ pub(crate) fn deviation_of_sum(covariance: &DMatrix<f64>, derivatives: &[f64]) -
     variance.max(0.0).sqrt()
 }
 
+/// The interval of this half width about a value.
+pub(crate) fn interval(value: f64, half_width: f64) -> [f64; 2] {
+    [value - half_width, value + half_width]
+}
+
 /// Mean; 0 for no values.
 pub(crate) fn mean<V: Borrow<f64>>(values: impl IntoIterator<Item = V>) -> f64 {
     let (sum, count) = values.into_iter().fold((0.0, 0.0), |(sum, count), value| (sum + value.borrow(), count + 1.0));
@@ -127,6 +132,13 @@ pub(crate) fn without_line(signal: &[f64], places: &[f64]) -> impl Iterator<Item
 pub(crate) fn running(values: &[f64], reach: usize, of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     let near = |at: usize| &values[at.saturating_sub(reach)..(at + reach + 1).min(values.len())];
     (0..values.len()).map(|at| of(near(at))).collect()
+}
+
+/// Standard deviation of the white noise in a signal, from its fourth differences, in which motion hardly shows.
+pub(crate) fn noise_deviation(signal: &[f64]) -> f64 {
+    let mut fourth: Vec<f64> =
+        signal.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
+    median(&mut fourth) / MEDIAN_FOURTH_DIFFERENCE
 }
 
 /// All runs of neighbours that are alike.

@@ -4,8 +4,9 @@
 //! lines may lie within the band, and several times the noise that the spectrum beyond the band suggests. How the knob turned is known, so its
 //! smooth angle is read by the same encoder once more.
 
+use crate::numerics::derivative::gradient;
 use crate::preparation::encoder_step::encoder_step;
-use crate::preparation::motion::{KnobMotion, gradient};
+use crate::preparation::motion::KnobMotion;
 use crate::preparation::row_filter::RowFilter;
 
 /// Rows of the acceleration that the steps of an encoder with these readings make, rad/s²; none where it shows no steps, or where an

@@ -15,16 +15,18 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng as _;
 
 use crate::diagnosis::model_fit::structure::Structure;
+use crate::numerics::derivative::gradient;
 use crate::numerics::vector::{dot, smallest_step};
 use crate::options::AccelerationUse;
+use crate::preparation::band::Band;
 use crate::preparation::filter::Fir;
-use crate::preparation::motion::{Band, KnobMotion, gradient, scatter};
+use crate::preparation::motion::KnobMotion;
 use crate::preparation::row_filter::RowFilter;
 use crate::preparation::sensor_noise::SensorNoise;
 use crate::preparation::uniform::Uniform;
 use crate::quasi_static::Map;
 use crate::samples::{FitError, Samples, span};
-use crate::uncertainty::statistics::{quantile, rms};
+use crate::uncertainty::statistics::{noise_deviation, quantile, rms};
 
 /// Widest upper edge of the comparison, Hz: contact and shaft show below it, a rig's own resonances lie above.
 pub(crate) const EDGE_HZ: f64 = 200.0;
@@ -195,7 +197,7 @@ impl Capture {
         let mask = (0..count).map(|row| stretches.weight(row / length)).collect();
         let row_filter =
             RowFilter { rate_hz, mask, fir: Fir::identity(), step: 1, threshold_rad_s: 0.0, response: None };
-        let torque_noise_mnm = scatter(&torque_mnm);
+        let torque_noise_mnm = noise_deviation(&torque_mnm);
         // All rows are compared as they are; the edge is that of the finest torque of the angle that is looked for.
         let speed_rad_s = motion.velocity_rad_s.first().map_or(0.0, |velocity| velocity.abs());
         let edge_hz = (MAP_PER_TURN * speed_rad_s / TAU).min(0.5 * rate_hz);

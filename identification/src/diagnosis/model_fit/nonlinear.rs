@@ -12,9 +12,7 @@ use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::structure::{Searched, Structure};
 use crate::diagnosis::model_fit::twist;
 use crate::numerics::vector::dot;
-use crate::preparation::filter::Fir;
-use crate::preparation::motion::ROWS_PER_EDGE;
-use crate::preparation::row_filter::HALF_LENGTH_PERIODS;
+use crate::preparation::row_filter::{row_low_pass, row_step};
 use crate::preparation::uniform::whole;
 use crate::regression::refiner::{self, Ended};
 
@@ -390,15 +388,12 @@ fn narrowed(rows: &[f64], share: f64, capture: &Capture) -> Vec<f64> {
     if share >= 1.0 {
         return rows.to_vec();
     }
-    let rate_hz = capture.row_rate_hz();
-    let edge_hz = share * capture.band.edge_hz;
-    let half_length = (HALF_LENGTH_PERIODS * rate_hz / edge_hz).round() as usize;
-    Fir::low_pass(half_length, edge_hz, rate_hz).decimate(rows, narrowing(share, capture))
+    row_low_pass(share * capture.band.edge_hz, capture.row_rate_hz()).decimate(rows, narrowing(share, capture))
 }
 
 /// Rows of the whole band for each of a share of it.
 fn narrowing(share: f64, capture: &Capture) -> usize {
-    whole(capture.row_rate_hz() / (ROWS_PER_EDGE * share * capture.band.edge_hz)).max(1)
+    row_step(share * capture.band.edge_hz, capture.row_rate_hz())
 }
 
 /// Everything in the structure that a fit can move.

@@ -2,36 +2,27 @@
 
 use super::dot_inline;
 
+/// Outputs that are summed side by side: enough that no addition waits for the one before.
+const OUTPUTS: usize = 32;
+
 /// Every `step`-th sample of a filtered signal: `output[i] = Σ taps[j] · input[i · step + j]`.
 ///
-/// With the input sorted by its place modulo `step`, neighbouring outputs take neighbouring inputs: whole vectors of
-/// outputs are summed at once.
+/// In the input's polyphase components neighbouring outputs take neighbouring values: whole vectors of outputs are summed at
+/// once.
 pub(crate) fn decimate(input: &[f64], taps: &[f64], step: usize, output: &mut [f64]) {
-    /// Outputs that are summed side by side: enough that no addition waits for the one before.
-    const OUTPUTS: usize = 32;
-    let length = if step == 1 { input.len() } else { output.len() + taps.len().div_ceil(step) };
-    let mut sorted = vec![0.0; if step == 1 { 0 } else { length * step }];
-    let places: Vec<(usize, f64)> =
-        taps.iter().enumerate().map(|(index, tap)| ((index % step) * length + index / step, *tap)).collect();
+    let length = output.len() + taps.len().div_ceil(step);
+    let mut phases = vec![0.0; step * length];
     widest!({
-        match step {
-            1 => {}
-            // The step of the widest band: known here, so that whole vectors are sorted at once.
-            4 => sort_by_phase::<4>(input, length, &mut sorted),
-            _ => {
-                for (phase, sorted) in sorted.chunks_exact_mut(length).enumerate() {
-                    let values = input.iter().skip(phase).step_by(step);
-                    sorted.iter_mut().zip(values).for_each(|(slot, value)| *slot = *value);
-                }
-            }
+        for (phase, component) in phases.chunks_exact_mut(length).enumerate() {
+            let values = input.iter().skip(phase).step_by(step);
+            component.iter_mut().zip(values).for_each(|(slot, value)| *slot = *value);
         }
-        let phases = if step == 1 { input } else { &sorted };
         let (blocks, rest) = output.as_chunks_mut::<OUTPUTS>();
         for (block, start) in blocks.iter_mut().zip((0..).step_by(OUTPUTS)) {
             let mut sums = [0.0; OUTPUTS];
-            for (place, tap) in &places {
-                let place = place + start;
-                for (sum, value) in sums.iter_mut().zip(&phases[place..place + OUTPUTS]) {
+            for (index, tap) in taps.iter().enumerate() {
+                let first = (index % step) * length + index / step + start;
+                for (sum, value) in sums.iter_mut().zip(&phases[first..first + OUTPUTS]) {
                     *sum += tap * value;
                 }
             }
@@ -42,21 +33,6 @@ pub(crate) fn decimate(input: &[f64], taps: &[f64], step: usize, output: &mut [f
             *slot = dot_inline(window, taps);
         }
     });
-}
-
-/// Values by their place modulo `STEP`, `length` of each.
-#[inline(always)]
-fn sort_by_phase<const STEP: usize>(input: &[f64], length: usize, sorted: &mut [f64]) {
-    let (whole, rest) = input.as_chunks::<STEP>();
-    let count = whole.len().min(length);
-    for (phase, sorted) in sorted.chunks_exact_mut(length).enumerate() {
-        for (slot, values) in sorted[..count].iter_mut().zip(&whole[..count]) {
-            *slot = values[phase];
-        }
-        if let (Some(slot), Some(value)) = (sorted.get_mut(whole.len()), rest.get(phase)) {
-            *slot = *value;
-        }
-    }
 }
 
 /// The adjoint of [`decimate`]: adds `kept[i] · taps[j]` to `output[i · step + j]`.
@@ -72,17 +48,9 @@ pub(crate) fn spread(kept: &[f64], taps: &[f64], step: usize, output: &mut [f64]
 
 /// Differences across one to four samples on either side, weighted and summed; none for the four samples at each end.
 pub(crate) fn differences(signal: &[f64], weights: [f64; 4], output: &mut [f64]) {
-    let count = output.len();
-    let [a, b, c, d] = weights;
-    let before: [&[f64]; 4] = [3, 2, 1, 0].map(|shift| &signal[shift..shift + count]);
-    let after: [&[f64]; 4] = [5, 6, 7, 8].map(|shift| &signal[shift..shift + count]);
-    let ([before_1, before_2, before_3, before_4], [after_1, after_2, after_3, after_4]) = (before, after);
     widest!({
-        let near = before_1.iter().zip(after_1).zip(before_2.iter().zip(after_2));
-        let far = before_3.iter().zip(after_3).zip(before_4.iter().zip(after_4));
-        for (slot, (near, far)) in output.iter_mut().zip(near.zip(far)) {
-            let near = a * (near.0.1 - near.0.0) + b * (near.1.1 - near.1.0);
-            *slot = near + c * (far.0.1 - far.0.0) + d * (far.1.1 - far.1.0);
+        for (slot, near) in output.iter_mut().zip(signal.array_windows::<9>()) {
+            *slot = (0..4).map(|place| weights[place] * (near[5 + place] - near[3 - place])).sum();
         }
     });
 }

@@ -48,8 +48,8 @@ fn sort(values: &[f64], group: usize, sorted: &mut [[f64; SIDE_BY_SIDE]]) {
 
 /// Sums of `width` neighbours, and of those sums again, at every place that any of the values reaches.
 ///
-/// Value by value: for windows of a few neighbours, without the rounding of running sums.
-pub(crate) fn short_triangle(values: &[f64], width: usize) -> Vec<f64> {
+/// Value by value: for windows of some dozen neighbours, without the rounding of running sums.
+pub(crate) fn triangle(values: &[f64], width: usize) -> Vec<f64> {
     let reach = width - 1;
     let mut boxes = vec![0.0; values.len() + reach];
     let mut triangles = vec![0.0; values.len() + 2 * reach];
@@ -69,7 +69,7 @@ fn add_shifted(values: &[f64], width: usize, sums: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
-    use super::{grouped_products, short_triangle};
+    use super::{grouped_products, triangle};
 
     #[test]
     fn products_by_groups_are_those_of_the_rows_in_them() {
@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn a_single_value_becomes_a_triangle() {
-        assert_eq!(short_triangle(&[1.0], 3), [1.0, 2.0, 3.0, 2.0, 1.0]);
-        assert_eq!(short_triangle(&[2.0, 1.0], 1), [2.0, 1.0]);
+        assert_eq!(triangle(&[1.0], 3), [1.0, 2.0, 3.0, 2.0, 1.0]);
+        assert_eq!(triangle(&[2.0, 1.0], 1), [2.0, 1.0]);
     }
 }

@@ -1,39 +1,39 @@
-//! Least squares from sums over stretches of the capture: a further column costs little, and every stretch can be left out.
+//! Least squares from inner products over stretches of the capture: a further column costs little, and any stretch can be left out.
 
 use nalgebra::DMatrix;
 
+use super::gram::{self, COLLINEAR, Solution};
+use super::least_squares::residual;
 use crate::numerics::vector::dot;
-use crate::regression::gram::{self, COLLINEAR, Solution};
-use crate::regression::least_squares::residual;
 use crate::uncertainty::statistics::student_95;
 
 /// Stretches of equal length.
-pub(super) const BLOCKS: usize = 32;
+pub(crate) const BLOCKS: usize = 32;
 
 /// Target and columns with their inner products, stretch by stretch.
-pub(super) struct BlockSums {
+pub(crate) struct BlockSums {
     target: Vec<f64>,
-    pub(super) columns: Vec<Vec<f64>>,
+    pub(crate) columns: Vec<Vec<f64>>,
     blocks: Vec<DMatrix<f64>>,
 }
 
 /// Coefficients with their covariances.
-pub(super) struct Estimate {
-    pub(super) coefficients: Vec<f64>,
+pub(crate) struct Estimate {
+    pub(crate) coefficients: Vec<f64>,
     /// Allows for residuals that are correlated within a stretch and of varying size.
-    pub(super) covariance: DMatrix<f64>,
+    pub(crate) covariance: DMatrix<f64>,
     /// As textbooks have it.
-    pub(super) textbook: DMatrix<f64>,
+    pub(crate) textbook: DMatrix<f64>,
 }
 
 /// Half width of a 95 % interval over the standard deviation: the stretches leave one degree of freedom less than their
 /// number.
-pub(super) fn critical() -> f64 {
+pub(crate) fn critical() -> f64 {
     student_95((BLOCKS - 1) as f64)
 }
 
 impl BlockSums {
-    pub(super) fn new(target: Vec<f64>) -> Self {
+    pub(crate) fn new(target: Vec<f64>) -> Self {
         let square = |block| {
             let part = &target[range(block, target.len())];
             DMatrix::from_element(1, 1, dot(part, part))
@@ -41,11 +41,13 @@ impl BlockSums {
         Self { blocks: (0..BLOCKS).map(square).collect(), target, columns: Vec::new() }
     }
 
-    pub(super) fn width(&self) -> usize {
+    /// Number of columns.
+    pub(crate) fn width(&self) -> usize {
         self.columns.len()
     }
 
-    pub(super) fn push(&mut self, column: Vec<f64>) {
+    /// Adds a column.
+    pub(crate) fn push(&mut self, column: Vec<f64>) {
         self.columns.push(column);
         let Some(last) = self.columns.last() else { return };
         let size = self.columns.len() + 1;
@@ -53,45 +55,46 @@ impl BlockSums {
             let range = range(block, self.target.len());
             let part = &last[range.clone()];
             products.resize_mut(size, size, 0.0);
-            for (place, other) in [&self.target].into_iter().chain(&self.columns).enumerate() {
+            for (index, other) in [&self.target].into_iter().chain(&self.columns).enumerate() {
                 let product = dot(part, &other[range.clone()]);
-                (products[(size - 1, place)], products[(place, size - 1)]) = (product, product);
+                (products[(size - 1, index)], products[(index, size - 1)]) = (product, product);
             }
         }
     }
 
-    pub(super) fn truncate(&mut self, width: usize) {
+    /// Drops all columns beyond the first `width`.
+    pub(crate) fn truncate(&mut self, width: usize) {
         self.columns.truncate(width);
         self.blocks.iter_mut().for_each(|products| products.resize_mut(width + 1, width + 1, 0.0));
     }
 
     /// All columns' coefficients; `None` if they cannot be told apart.
-    pub(super) fn solve(&self) -> Option<Solution> {
+    pub(crate) fn solve(&self) -> Option<Solution> {
         self.solve_for(&(0..self.width()).collect::<Vec<_>>())
     }
 
     /// Sum of squares that the chosen columns leave.
-    pub(super) fn left(&self, chosen: &[usize]) -> Option<f64> {
+    pub(crate) fn squares_left(&self, chosen: &[usize]) -> Option<f64> {
         Some(self.solve_for(chosen)?.squares(&self.total()).max(0.0))
     }
 
     /// Sum of squares of the target.
-    pub(super) fn target_squares(&self) -> f64 {
+    pub(crate) fn target_squares(&self) -> f64 {
         self.blocks.iter().map(|products| products[(0, 0)]).sum()
     }
 
     /// Target minus columns times coefficients.
-    pub(super) fn residual(&self, coefficients: &[f64]) -> Vec<f64> {
+    pub(crate) fn residual(&self, coefficients: &[f64]) -> Vec<f64> {
         residual(&self.columns, &self.target, coefficients)
     }
 
     /// [`gram::evidence`] for the columns from `base` on.
-    pub(super) fn evidence(&self, base: usize) -> f64 {
+    pub(crate) fn evidence(&self, base: usize) -> f64 {
         gram::evidence(&self.blocks, base)
     }
 
     /// All columns' coefficients with covariances.
-    pub(super) fn estimate(&self) -> Option<Estimate> {
+    pub(crate) fn estimate(&self) -> Option<Estimate> {
         let solution = self.solve()?;
         let (blocks, rows) = (BLOCKS as f64, self.target.len() as f64);
         let left = self.residual(&solution.coefficients);
@@ -112,6 +115,7 @@ impl BlockSums {
     }
 }
 
+/// Rows of a stretch.
 fn range(block: usize, rows: usize) -> std::ops::Range<usize> {
     block * rows / BLOCKS..(block + 1) * rows / BLOCKS
 }

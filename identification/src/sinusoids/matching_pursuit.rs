@@ -1,25 +1,23 @@
-//! The sinusoids of the angle that a torque holds, with intervals: one after the other, each time all of them fitted anew.
+//! The sinusoids of the angle in a torque, with intervals: found one after the other, all of them fitted anew each time.
 //!
 //! Orthogonal matching pursuit (Y. C. Pati, R. Rezaiifar, P. S. Krishnaprasad, 27th Asilomar Conference, 1993): the
 //! strongest sinusoid in what the others leave joins, then all coefficients are solved together.
 
 use std::f64::consts::{PI, TAU};
 
-use super::block_sums::{BlockSums, Estimate, critical};
-use super::interval;
-use crate::detents::scan::background_of;
-use crate::detents::{MARGIN, PREDICTS};
+use super::{MARGIN, PREDICTS, noise_variance, threshold};
 use crate::estimate::Harmonic;
 use crate::numerics::{fourier, vector};
+use crate::regression::block_sums::{BlockSums, Estimate, critical};
 use crate::regression::refiner::{self, Ended, longest_improving};
 use crate::samples::span;
-use crate::uncertainty::statistics::{deviation_of_sum, median};
+use crate::uncertainty::statistics::{deviation_of_sum, interval, median};
 
-/// Places of the angle over which the residual is summed for the transform.
-const PLACES: usize = 16_384;
-/// Wavenumbers up to this share of the places are looked at: summing within a place takes 3 % off there.
-const HIGHEST: usize = PLACES / 8;
-/// A turn counts as whole with this share of it.
+/// Bins of angle in which the residual is summed for the transform.
+const BINS: usize = 16_384;
+/// Highest line of the transform that is looked at: summing within a bin takes 3 % off there.
+const HIGHEST: usize = BINS / 8;
+/// Share of a turn from which it counts as whole.
 const WHOLE_TURN: f64 = 0.98;
 /// Without a whole turn, wavenumbers are real: the travel is padded to this many times its length …
 const PADDING: f64 = 4.0;
@@ -28,7 +26,7 @@ const FEWEST_PERIODS: f64 = 2.0;
 /// A sinusoid that explains less than this share of what the others leave is not worth a line of the table: of the
 /// thousands tried, the best one explains a little of anything.
 const WORTHWHILE: f64 = 0.01;
-/// The pursuit ends with so many sinusoids in a row that do not.
+/// The pursuit ends after so many sinusoids in a row that do not predict.
 const REFUSALS: usize = 4;
 /// No more sinusoids than this.
 const MOST: usize = 64;
@@ -37,18 +35,20 @@ const STEPS: usize = 8;
 /// A step that takes off less than this share of the sum of squares is the last.
 const SETTLED: f64 = 1e-9;
 
-/// Where sinusoids are looked for.
-pub(super) struct Grid {
+/// The wavenumbers at which sinusoids are looked for.
+pub(crate) struct Grid {
     /// Wavenumber of the transform's first line, 1/rad: 1 for whole turns.
     unit: f64,
+    /// First and last line that is looked at.
     lowest: usize,
     highest: usize,
+    /// Smallest angle, rad.
     start_rad: f64,
-    pub(super) whole_turn: bool,
+    pub(crate) whole_turn: bool,
 }
 
 impl Grid {
-    pub(super) fn of(angle_rad: &[f64]) -> Self {
+    pub(crate) fn of(angle_rad: &[f64]) -> Self {
         let travel = span(angle_rad);
         let whole_turn = travel >= WHOLE_TURN * TAU;
         let unit = if whole_turn { 1.0 } else { TAU / (PADDING * travel) };
@@ -62,17 +62,17 @@ impl Grid {
     }
 
     /// The same without what is finer than `wavenumber`, 1/rad.
-    pub(super) fn up_to(self, wavenumber: f64) -> Self {
+    pub(crate) fn up_to(self, wavenumber: f64) -> Self {
         Self { highest: self.highest.min((wavenumber / self.unit) as usize).max(self.lowest), ..self }
     }
 
     /// The wavenumber (1/rad) whose sinusoid explains most of the residual, if it stands out.
     fn strongest(&self, angle_rad: &[f64], residual: &[f64], taken: &[f64]) -> Option<f64> {
-        let transform = fourier::forward(PLACES);
+        let transform = fourier::forward(BINS);
         let (mut sums, mut lines) = (transform.make_input_vec(), transform.make_output_vec());
         for (angle, rest) in angle_rad.iter().zip(residual) {
             let turns = (angle - self.start_rad) * self.unit / TAU;
-            sums[((turns - turns.floor()) * PLACES as f64) as usize % PLACES] += rest;
+            sums[((turns - turns.floor()) * BINS as f64) as usize % BINS] += rest;
         }
         transform.process(&mut sums, &mut lines).ok()?;
         let scale = 2.0 / residual.len() as f64;
@@ -83,9 +83,9 @@ impl Grid {
         let best = (self.lowest..=highest).filter(free).max_by(|a, b| power(*a).total_cmp(&power(*b)))?;
         // A line of noise has two squared normal numbers.
         let mut powers: Vec<f64> = (self.lowest..=highest).map(power).collect();
-        let background = 2.0 * background_of(&mut powers);
+        let noise = 2.0 * noise_variance(&mut powers);
         let independent = (highest - self.lowest + 1) as f64 / if self.whole_turn { 1.0 } else { PADDING };
-        let is_clear = power(best) > (2.0 * independent.max(1.0).ln() + MARGIN) * background
+        let is_clear = power(best) > threshold(independent, MARGIN) * noise
             && power(best) > WORTHWHILE * residual.iter().map(|rest| rest * rest).sum::<f64>();
         is_clear.then_some(best as f64 * self.unit)
     }
@@ -94,7 +94,7 @@ impl Grid {
 /// Adds the sinusoids that stand out and predict what they were not fitted to; returns their wavenumbers, 1/rad.
 ///
 /// The columns of each are sine and cosine, behind those that the sums hold already.
-pub(super) fn sinusoids(sums: &mut BlockSums, angle_rad: &[f64], grid: &Grid) -> Vec<f64> {
+pub(crate) fn sinusoids(sums: &mut BlockSums, angle_rad: &[f64], grid: &Grid) -> Vec<f64> {
     let mut wavenumbers: Vec<f64> = Vec::new();
     let mut tried: Vec<f64> = Vec::new();
     let mut refusals = 0;
@@ -124,7 +124,7 @@ fn push(sums: &mut BlockSums, angle_rad: &[f64], wavenumber: f64) {
 }
 
 /// The derivative of a·sin(kθ) + b·cos(kθ) by k, with θ from the middle of the travel, where k and phase are independent.
-pub(super) fn tangent(angle_rad: &[f64], wavenumber: f64, coefficients: [f64; 2]) -> Vec<f64> {
+pub(crate) fn tangent(angle_rad: &[f64], wavenumber: f64, coefficients: [f64; 2]) -> Vec<f64> {
     let middle = vector::extent(angle_rad).map_or(0.0, |(lowest, highest)| 0.5 * (lowest + highest));
     angle_rad
         .iter()
@@ -141,7 +141,7 @@ fn refined(sums: &mut BlockSums, angle_rad: &[f64], start: f64, unit: f64) -> f6
     let mut wavenumber = start;
     let left = |sums: &mut BlockSums, wavenumber| {
         push(sums, angle_rad, wavenumber);
-        let left = sums.left(&(0..base + 2).collect::<Vec<_>>());
+        let left = sums.squares_left(&(0..base + 2).collect::<Vec<_>>());
         sums.truncate(base);
         left
     };
@@ -188,7 +188,7 @@ pub(crate) fn of_turns(
 }
 
 /// The sinusoids behind the first `base` columns, strongest first.
-pub(super) fn ranked(sums: &BlockSums, estimate: &Estimate, base: usize, wavenumbers: &[f64]) -> Option<Vec<Harmonic>> {
+pub(crate) fn ranked(sums: &BlockSums, estimate: &Estimate, base: usize, wavenumbers: &[f64]) -> Option<Vec<Harmonic>> {
     let coefficients = &estimate.coefficients;
     let pair = |position: usize| [coefficients[base + 2 * position], coefficients[base + 2 * position + 1]];
     let mut order: Vec<usize> = (0..wavenumbers.len()).collect();
@@ -196,12 +196,12 @@ pub(super) fn ranked(sums: &BlockSums, estimate: &Estimate, base: usize, wavenum
     order.sort_by(|a, b| size(b).total_cmp(&size(a)));
     let mut chosen: Vec<usize> = (0..base).collect();
     let total = sums.target_squares();
-    let mut before = sums.left(&chosen)?;
+    let mut before = sums.squares_left(&chosen)?;
     let mut harmonics = Vec::new();
     for position in &order {
         let at = base + 2 * position;
         chosen.extend([at, at + 1]);
-        let after = sums.left(&chosen)?;
+        let after = sums.squares_left(&chosen)?;
         let [sine, cosine] = pair(*position);
         let amplitude = sine.hypot(cosine);
         let own = estimate.covariance.view((at, at), (2, 2)).into_owned();
