@@ -180,15 +180,18 @@ impl<'a> Nonlinear<'a> {
         let mut left = narrowed(&self.residual, share, self.capture);
         let mut tangents = Tangents::default();
         let mut attempts = 0..attempts;
-        refiner::refine(rounds, settled, dot(&left, &left), |before| {
+        refiner::refine(rounds, settled, dot(&left, &left), |mut before| {
             loop {
                 attempts.next().ok_or(Ended::OutOfSteps)?;
                 if tangents.are_stale() {
                     tangents = Tangents { rows: self.tangents(share), updates: 0 };
                 }
+                let are_fresh = tangents.updates == 0;
                 let after = self.step(share, before, &mut left, &mut tangents, &mut damping);
-                if after.is_ok() || tangents.updates == 0 {
-                    return after;
+                match after {
+                    Ok(after) if !are_fresh && before - after < settled * before => before = after,
+                    Err(_) if !are_fresh => {}
+                    after => return after,
                 }
                 // The updated derivatives may be what is wrong.
                 tangents = Tangents::default();

@@ -203,25 +203,30 @@ pub(crate) fn coupled<'a>(
             fit
         })
     };
-    let mut best: Option<(Judged, Nonlinear<'_>)> = None;
+    // Several valleys may be as deep where the first capture hardly shows the contact: both captures choose, among those that do not end on
+    // a bound.
+    let mut best: Option<((bool, f64), Judged, Nonlinear<'_>)> = None;
+    let mut least = f64::INFINITY;
     let mut next = begun(slow.next());
     while let Some(mut fit) = next {
         let after = slow.next();
-        if best.as_ref().is_some_and(|(_, best)| fit.squares() > LOSING * best.squares()) {
+        if fit.squares() > LOSING * least {
             next = begun(after);
             continue;
         }
         ((), next) = rayon::join(|| fit.refine(), || begun(after));
+        least = least.min(fit.squares());
         let judged = Judged::nonlinear(&fit, train, heldout);
         let is_closed = judged.train_over_floor() < CLOSED;
-        if best.as_ref().is_none_or(|(_, best)| fit.squares() < best.squares()) {
-            best = Some((judged, fit));
+        let rank = (Nonlinear::on_bound(&fit.structure, train).is_none(), judged.evidence);
+        if judged.is_finite() && best.as_ref().is_none_or(|(best, ..)| rank > *best) {
+            best = Some((rank, judged, fit));
         }
         if is_closed {
             break;
         }
     }
-    let (judged, fit) = best?;
+    let (_, judged, fit) = best?;
     if effort == Effort::Short || judged.train_over_floor() < OPEN {
         return Some(judged);
     }

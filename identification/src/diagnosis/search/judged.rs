@@ -85,6 +85,13 @@ impl Judged {
         Some(self)
     }
 
+    /// Whether it predicts anything: a simulated body can overshoot beyond all numbers.
+    pub(crate) fn is_finite(&self) -> bool {
+        [self.evidence, self.heldout_rms_mnm, self.train_floor_mnm, self.heldout_floor_mnm]
+            .iter()
+            .all(|value| value.is_finite())
+    }
+
     /// RMS left of the held-out capture, in floors.
     pub(crate) fn heldout_over_floor(&self) -> f64 {
         self.heldout_rms_mnm / self.heldout_floor_mnm

@@ -258,8 +258,7 @@ impl Search<'_> {
 
     /// What was tried beside a model, that with the most evidence first.
     pub(crate) fn ranked(&self, current: &Judged, mut tried: Vec<Judged>) -> Vec<Judged> {
-        // What overshoots beyond all numbers is no rival.
-        tried.retain(|judged| judged.evidence.is_finite() && judged.heldout_rms_mnm.is_finite());
+        tried.retain(Judged::is_finite);
         tried.retain(|judged| !self.repeats_with_the_detents(judged));
         tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
         if !current.structure.is_simulated() {

@@ -94,11 +94,16 @@ impl Search<'_> {
             let Some(last) = found.chain.last() else { return };
             let Some(without) = self.without(last, found.added[step]) else { return };
             let is_discovery = takes_its_part(&without, last) && last.heldout_p_value(&without) < FALSE_DISCOVERIES;
-            if worthwhile(&without, last, &found.chain[0], self.heldout) || found.in_part && is_discovery {
+            let is_needed = worthwhile(&without, last, &found.chain[0], self.heldout) || found.in_part && is_discovery;
+            let predicts = without.is_finite() && without.heldout_rms_mnm < found.chain[0].heldout_rms_mnm;
+            if is_needed || !predicts {
                 step += 1;
                 continue;
             }
             self.remove(found, step);
+            // Settled from the earlier models it may end elsewhere.
+            found.chain.pop();
+            found.chain.push(without);
             step = 0;
         }
     }
