@@ -111,15 +111,10 @@ pub(crate) fn search<'a>(
     let share = 1.0 - after / left;
     let detents = &problem.columns[range.clone()];
     // The background is read with the detent taken out, whose side lobes would else stand in it.
-    let ((rest, predicts), is_bend) = rayon::join(
-        || {
-            let evidence = held_out_evidence(&problem.columns, range.start, &problem.target);
-            (scan.powers(base, &solution.residual), evidence > PREDICTS)
-        },
-        || is_bend(base, &scan, detents, 1.0 / period_rad),
-    );
+    let rest = scan.powers(base, &solution.residual);
     let background = scan.background(&rest, 1.0 / period_rad);
     let clear = left - after > needed * background;
+    let predicts = held_out_evidence(&problem.columns, range.start, &problem.target) > PREDICTS;
     let periods = 1.0 / (period_rad * resolution);
     let few = periods < FEW_PERIODS;
     let null_test = scan.null_test(&rest, 1.0 / period_rad, if few { 0.0 } else { FEW_PERIODS });
@@ -132,7 +127,7 @@ pub(crate) fn search<'a>(
             (left - after) / null_test.max(f64::MIN_POSITIVE)
         ));
     }
-    if clear && is_bend {
+    if clear && is_bend(base, &scan, detents, 1.0 / period_rad) {
         return Err(format!(
             "no detents that can be distinguished from a spring or from gravity, which leave nothing of the torque's \
              variation with the angle that the best period (P {period_rad:.4} rad, {periods:.1} of them in the travel) would explain; diagnose \

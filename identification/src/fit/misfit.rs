@@ -8,7 +8,6 @@
 //! 1251–1271), the rest of the shift belongs into its interval.
 
 use nalgebra::{DMatrix, DVector, RowDVector};
-use rayon::prelude::*;
 
 use super::trimmed::{Rows, Trimmed};
 use crate::preparation::row_filter::{ROWS_PER_EDGE, row_low_pass};
@@ -87,16 +86,16 @@ impl Misfit {
             };
             Shift::of(trimmed, rows, at_zero, kept)
         };
-        let fits: [&(dyn Fn() -> Option<Shift> + Sync); 5] = [
-            &|| trimmed.without_refused_delay().as_ref().and_then(whole),
-            &|| near.and_then(whole),
-            &|| Shift::of(trimmed, rows, at_zero, |rows| narrow.decimate(rows, EVERY)),
-            &|| where_speed(|speed, typical| speed > typical),
-            &|| where_speed(|speed, typical| speed <= typical),
+        let shifts = [
+            trimmed.without_refused_delay().as_ref().and_then(whole),
+            near.and_then(whole),
+            Shift::of(trimmed, rows, at_zero, |rows| narrow.decimate(rows, EVERY)),
+            where_speed(|speed, typical| speed > typical),
+            where_speed(|speed, typical| speed <= typical),
         ];
         let is_free = vec![false; at_zero.len()];
         let unbounded = is_held.then(|| Shift::of(trimmed, &fitted, &is_free, <[f64]>::to_vec)).flatten();
-        Self { rows: fits.par_iter().filter_map(|fit| fit()).collect(), unbounded }
+        Self { rows: shifts.into_iter().flatten().collect(), unbounded }
     }
 
     /// How far Σ `derivatives`ⱼ·coefficientⱼ, of which the fit has the variance `fitted`, moves beyond chance.

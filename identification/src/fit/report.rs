@@ -48,12 +48,18 @@ impl<'a> Report<'a> {
         calibration: Option<&'a Calibration>,
         near: Option<&Rows>,
     ) -> Self {
-        let robust = || trimmed.solution.robust(&trimmed.columns);
-        let (mut robust, misfit) = rayon::join(robust, || Misfit::of(trimmed, near));
+        let mut robust = trimmed.solution.robust(&trimmed.columns);
         if let Some(curves) = &trimmed.curves {
             robust.enlarge(curves.points.len());
         }
-        Self { trimmed, band, calibration, robust, textbook: trimmed.solution.textbook_covariance(), misfit }
+        Self {
+            trimmed,
+            band,
+            calibration,
+            robust,
+            textbook: trimmed.solution.textbook_covariance(),
+            misfit: Misfit::of(trimmed, near),
+        }
     }
 
     /// All that the settled problem tells; `no_detents` is the reason if there are none.
