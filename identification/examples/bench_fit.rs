@@ -92,7 +92,7 @@ fn timed(columns: &[Vec<f64>; 5], runs: u32) -> Result<(Vec<f64>, f64), Box<dyn 
     Ok((times, period_rad))
 }
 
-/// Time that a processor has spent on this thread, s; 0 where the system does not tell.
+/// Time that processors have spent on this process, s; 0 where the system does not tell.
 fn processor_seconds() -> f64 {
     ClockId::CLOCK_PROCESS_CPUTIME_ID.now().map_or(0.0, |time| Duration::from(time).as_secs_f64())
 }
