@@ -9,11 +9,8 @@ pub(crate) const EVIDENCE: f64 = 10.0;
 const STEADY: f64 = 3.0;
 /// Share of the mean square above the floor that an effect must take away to be worth a name …
 pub(crate) const WORTHWHILE: f64 = 0.28;
-/// … and in mean squares of the floor. Thousands of rows show less, but then neither the floor's estimate nor the base model's form is
-/// right to that.
-const SMALLEST: f64 = 0.02;
-/// The same beside effects that were added before, whose own form leaves a little.
-const SMALLEST_BESIDE: f64 = 0.06;
+/// … and in mean squares of the floor: smaller ones could be what the floor's own estimate is wrong by.
+const SMALLEST: f64 = 0.06;
 /// Probability of chance up to which held-out stretches speak for an effect whose residual is more than noise.
 const CHANCE: f64 = 0.05;
 /// RMS in floors up to which a residual may be taken for noise.
@@ -36,8 +33,6 @@ const LOWER_FLOOR: f64 = 0.8;
 pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldout: &Capture) -> bool {
     let floor = after.heldout_floor_mnm;
     let [_, closed] = gap_and_closed(before, after);
-    let is_first = before.structure.effects.len() <= first.structure.effects.len();
-    let smallest = if is_first { SMALLEST } else { SMALLEST_BESIDE };
     // An end stop may act in a few stretches only; then what was never fitted must speak for it.
     let unseen = heldout.weight * (before.heldout_rms_mnm / after.heldout_rms_mnm).ln();
     // Whether a simulated body breaks away at one moment may hang on anything: then one stretch proves nothing. Nor does it
@@ -48,7 +43,7 @@ pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldou
     explains_enough(before, after)
         && predicts
         && (after.steadily_better_than(before) > STEADY || may_be_seldom && unseen > EVIDENCE)
-        && closed > smallest * floor * floor
+        && closed > SMALLEST * floor * floor
         && closed > UNEXPLAINED * UNEXPLAINED * first.excess_above_lower_floor(after)
 }
 
