@@ -9,6 +9,7 @@ pub mod guide;
 pub mod live_view;
 pub mod other_user;
 pub mod rotary_plant;
+pub mod small_disk;
 mod stopped_thread;
 pub mod trials;
 

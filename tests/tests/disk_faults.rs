@@ -7,32 +7,10 @@ use std::process::{Child, Command, Output};
 use std::time::Duration;
 
 use archive::Capture;
+use tests::small_disk::SmallDisk;
 use tests::{Bench, printed};
 
 const SECONDS: u64 = 5;
-
-/// A disk of so many kilobytes, for as long as it lives.
-struct SmallDisk(PathBuf);
-
-impl SmallDisk {
-    fn mount(place: &Path, kilobytes: u32) -> Option<Self> {
-        std::fs::create_dir(place).unwrap();
-        let size = format!("size={kilobytes}k");
-        let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", &size, "tmpfs"]).arg(place).output();
-        if mounted.is_ok_and(|output| output.status.success()) {
-            return Some(Self(place.to_owned()));
-        }
-        eprintln!("SKIPPED: no permission to mount a small disk");
-        None
-    }
-}
-
-impl Drop for SmallDisk {
-    fn drop(&mut self) {
-        // What stays mounted goes with the machine; there is nothing better to do.
-        let _ = Command::new("umount").arg("--lazy").arg(&self.0).status();
-    }
-}
 
 /// A capture into `out`, with `other` as the temporary directory.
 fn start(bench: &Bench) -> Child {
@@ -125,7 +103,7 @@ fn a_capture_into_a_read_only_folder_goes_to_the_temporary_directory() {
     let bench = Bench::new().unwrap();
     let Some(disk) = SmallDisk::mount(&bench.path("out"), 1536) else { return };
     std::fs::create_dir(bench.path("other")).unwrap();
-    assert!(Command::new("mount").args(["-o", "remount,ro"]).arg(&disk.0).status().unwrap().success());
+    disk.remount("ro");
     ended(start(&bench), 0, &["Read-only file system", "recording to"]);
     assert_whole_in_other(&bench);
 }

@@ -49,7 +49,8 @@ pub static KIND: EffectKind = EffectKind {
     hypothesis: Some(Hypothesis {
         searched: &[Search {
             parameter: 1,
-            range: |scene| (scene.band_hz > 70.0).then_some((49.0, 61.0)),
+            // A strong line shows beyond the band's edge too.
+            range: |scene| (1.2 * scene.band_hz > 51.0).then_some((49.0, (1.2 * scene.band_hz).min(61.0))),
             starts: |scene| Search::starts_over(12.0 * scene.duration_s),
             logarithmic: false,
             same_as: None,

@@ -133,10 +133,12 @@ fn explained(search: &Search<'_>, base: Judged) -> Result<(Found, Verdict), Diag
     let mut found = search.explain(base);
     search.eliminate(&mut found);
     let verdict = search.verdict(&found);
-    if verdict == Verdict::OutsideLibrary {
+    if verdict != Verdict::None {
         search.measure_the_rest(&mut found);
     }
-    Ok((found, verdict))
+    // What is left and can be measured is missing, however little it is.
+    let is_all = found.characteristics.is_empty();
+    Ok((found, if is_all { verdict } else { Verdict::OutsideLibrary }))
 }
 
 fn prepare(

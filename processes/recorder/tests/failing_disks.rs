@@ -3,11 +3,11 @@
 
 mod common;
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::Path;
 
 use archive::Capture;
 use common::{Rig, files_in, sample};
+use tests::small_disk::SmallDisk;
 
 #[test]
 fn a_place_that_cannot_be_written_to_sends_the_recording_to_the_temporary_directory() {
@@ -19,36 +19,6 @@ fn a_place_that_cannot_be_written_to_sends_the_recording_to_the_temporary_direct
     assert_eq!(rig.finish(&mut recorder), 0);
     assert_eq!(files_in(&rig.fallback()), ["run.mcap"], "the archive is where there is room");
     rig.assert_complete(&rig.fallback().join("run.mcap"));
-}
-
-/// A disk of so many kilobytes, for as long as it lives.
-struct SmallDisk(PathBuf);
-
-impl SmallDisk {
-    fn mount(place: &Path, kilobytes: u32) -> Option<Self> {
-        if !place.exists() {
-            std::fs::create_dir(place).unwrap();
-        }
-        let size = format!("size={kilobytes}k");
-        let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", &size, "tmpfs"]).arg(place).output();
-        if mounted.is_ok_and(|output| output.status.success()) {
-            return Some(Self(place.to_owned()));
-        }
-        eprintln!("SKIPPED: no permission to mount a small disk");
-        None
-    }
-
-    fn remount(&self, options: &str) {
-        let options = format!("remount,{options}");
-        assert!(Command::new("mount").args(["-o", &options]).arg(&self.0).status().unwrap().success());
-    }
-}
-
-impl Drop for SmallDisk {
-    fn drop(&mut self) {
-        // What stays mounted goes with the machine; there is nothing better to do.
-        let _ = Command::new("umount").arg("--lazy").arg(&self.0).status();
-    }
 }
 
 #[test]
@@ -69,7 +39,7 @@ fn a_folder_that_is_removed_during_the_run_costs_no_sample() {
 fn a_disk_that_becomes_read_only_costs_no_sample() {
     let mut rig = Rig::new();
     let Some(disk) = SmallDisk::mount(&rig.directory.path().join("disk"), 65_536) else { return };
-    let out = disk.0.join("run.mcap");
+    let out = disk.path().join("run.mcap");
     let mut recorder = rig.start_recorder_to(&out, 0);
     rig.wait_for("the first part", |path| path.join("disk/run.mcap.part-000").exists());
     rig.publish_blocks(1000);
@@ -80,7 +50,7 @@ fn a_disk_that_becomes_read_only_costs_no_sample() {
     let mut recorder = rig.start_recorder_to(&out, 1);
     rig.publish_blocks(1000);
     assert_eq!(rig.finish(&mut recorder), 0);
-    assert_eq!(files_in(&disk.0), ["run.mcap.part-000"], "what cannot be removed stays");
+    assert_eq!(files_in(disk.path()), ["run.mcap.part-000"], "what cannot be removed stays");
     rig.assert_complete(&rig.fallback().join("run.mcap"));
 }
 
@@ -89,7 +59,7 @@ fn two_full_disks_cost_no_sample_when_room_is_made_in_time() {
     let mut rig = Rig::new();
     let Some(disk) = SmallDisk::mount(&rig.directory.path().join("disk"), 512) else { return };
     let Some(other) = SmallDisk::mount(&rig.elsewhere(), 512) else { return };
-    let mut recorder = rig.start_recorder_to(&disk.0.join("run.mcap"), 0);
+    let mut recorder = rig.start_recorder_to(&disk.path().join("run.mcap"), 0);
     rig.publish_blocks(4000);
     other.remount("size=64m");
     assert_eq!(rig.finish(&mut recorder), 0);
@@ -101,12 +71,12 @@ fn two_full_disks_leave_what_fitted_readable_and_the_loss_is_reported() {
     let mut rig = Rig::new();
     let Some(disk) = SmallDisk::mount(&rig.directory.path().join("disk"), 512) else { return };
     let Some(_other) = SmallDisk::mount(&rig.elsewhere(), 512) else { return };
-    let out = disk.0.join("run.mcap");
+    let out = disk.path().join("run.mcap");
     let mut recorder = rig.start_recorder_to(&out, 0);
     rig.publish_blocks(4000);
     assert_eq!(rig.finish(&mut recorder), 3);
     let mut parts = Vec::new();
-    for folder in [&disk.0, &rig.fallback()] {
+    for folder in [disk.path(), &rig.fallback()] {
         parts.extend(files_in(folder).into_iter().map(|name| folder.join(name)));
     }
     let merged = rig.directory.path().join("merged.mcap");
@@ -123,11 +93,11 @@ fn two_full_disks_leave_what_fitted_readable_and_the_loss_is_reported() {
 fn a_disk_that_fills_up_costs_no_sample() {
     let mut rig = Rig::new();
     let Some(disk) = SmallDisk::mount(&rig.directory.path().join("disk"), 1024) else { return };
-    let out = disk.0.join("run.mcap");
+    let out = disk.path().join("run.mcap");
     let mut recorder = rig.start_recorder_to(&out, 0);
     rig.publish_blocks(3000);
     assert_eq!(rig.finish(&mut recorder), 0);
-    assert_eq!(files_in(&disk.0), [""; 0], "the parts were merged elsewhere");
+    assert_eq!(files_in(disk.path()), [""; 0], "the parts were merged elsewhere");
     assert_eq!(files_in(&rig.fallback()), ["run.mcap"]);
     rig.assert_complete(&rig.fallback().join("run.mcap"));
 }

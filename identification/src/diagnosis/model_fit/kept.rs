@@ -28,8 +28,8 @@ pub(super) struct Product {
 }
 
 impl Kept {
-    /// Turns what is kept of `before` into what is kept of `after`, which may have other values and more effects at the end. What did not change
-    /// stays.
+    /// Makes what was kept for `before` hold for `after`, in which values may differ and effects follow at the end; only what
+    /// changed is calculated anew.
     pub(super) fn updated(mut self, before: &Structure, after: &Structure, capture: &Capture) -> Self {
         let changed = changed(before, after);
         self.rows.resize(after.effects.len(), Vec::new());

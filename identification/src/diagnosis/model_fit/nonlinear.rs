@@ -210,10 +210,12 @@ impl<'a> Nonlinear<'a> {
     ) -> Result<f64, Ended> {
         let (gram, right) = tangents.normal_equations(left);
         let trials = if tangents.updates > 0 { 1 } else { TRIALS };
+        // A value without effect here does not move.
+        let least = f64::EPSILON * gram.diagonal().max();
         for _ in 0..trials {
             let mut damped = gram.clone();
             for index in 0..gram.nrows() {
-                damped[(index, index)] += *damping * gram[(index, index)].max(f64::MIN_POSITIVE) + 1e-12;
+                damped[(index, index)] += *damping * gram[(index, index)] + least;
             }
             let step = damped.cholesky().ok_or(Ended::NoStepImproves)?.solve(&right);
             let structure = self.moved(step.as_slice());

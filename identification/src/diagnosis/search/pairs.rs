@@ -3,6 +3,7 @@
 use dynamics::EffectKind;
 use rayon::prelude::*;
 
+use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::search::acceptance::{EVIDENCE, LEFT, explains_enough, worthwhile};
 use crate::diagnosis::search::hypotheses::{self, Effort};
 use crate::diagnosis::search::judged::Judged;
@@ -29,7 +30,7 @@ impl Search<'_> {
             .collect();
         let pair = firsts.iter().find_map(|first| self.pair_with(found, current, first));
         let may_be_coupled = !is_coupled && !self.detents_are_equal;
-        let pair = pair.or_else(|| if may_be_coupled { self.coupled_pair(found, current, &firsts) } else { None });
+        let pair = pair.or_else(|| if may_be_coupled { self.coupled_pair(found, current, &firsts, tried) } else { None });
         let Some((first, second, rivals)) = pair else { return false };
         found.partial.clear();
         self.add(found, first, tried.to_vec());
@@ -60,8 +61,15 @@ impl Search<'_> {
         found: &Found,
         current: &Judged,
         firsts: &[&Judged],
+        tried: &[Judged],
     ) -> Option<(Judged, Judged, Vec<Judged>)> {
-        let mut both = self.coupled_pairs(firsts, current);
+        let mut couplings = self.couplings(current);
+        // A contact, which takes a simulation to find, shows without the first effect too.
+        couplings.retain(|kind| {
+            let shows = |judged: &Judged| judged.newest() == kind.name && judged.evidence > current.evidence + EVIDENCE;
+            twist::is_shaft(kind) || tried.iter().any(shows)
+        });
+        let mut both = self.coupled_pairs(firsts, &couplings);
         both.retain(|(_, judged)| self.is_worth_a_name(current, judged, found));
         both.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
         let mut both = both.into_iter();
@@ -70,8 +78,7 @@ impl Search<'_> {
     }
 
     /// Each of the first effects together with each coupling.
-    fn coupled_pairs(&self, firsts: &[&Judged], current: &Judged) -> Vec<(Judged, Judged)> {
-        let couplings = self.couplings(current);
+    fn coupled_pairs(&self, firsts: &[&Judged], couplings: &[&'static EffectKind]) -> Vec<(Judged, Judged)> {
         let pairs: Vec<(&Judged, &'static EffectKind)> =
             firsts.iter().flat_map(|first| couplings.iter().map(|kind| (*first, *kind))).collect();
         let fitted = pairs.par_iter().filter_map(|(first, kind)| {

@@ -32,7 +32,7 @@ impl Search<'_> {
                 let mut rivals = if is_newest { std::mem::take(&mut found.rivals[step]) } else { Vec::new() };
                 rivals.retain(|rival| rival.newest() != contained.name);
                 rivals.push(with_larger);
-                self.remove(found, step);
+                self.remove(found, step, without);
                 self.add(found, simple, rivals);
             }
         }
@@ -56,7 +56,7 @@ impl Search<'_> {
                 continue;
             };
             let chosen = tried.remove(best);
-            self.remove(found, step);
+            self.remove(found, step, without);
             self.add(found, chosen, tried);
             return true;
         }
@@ -78,7 +78,7 @@ impl Search<'_> {
         let best = fitted.max_by(|one, other| one.evidence.total_cmp(&other.evidence));
         let Some(best) = best.filter(|best| best.evidence > last.evidence) else { return false };
         let detent = best.structure.position(effects::detent::KIND.name).map(|index| best.structure.effects[index]);
-        self.remove(found, step);
+        self.remove(found, step, best);
         for judged in &mut found.chain {
             let mut structure = judged.structure.clone();
             detent.into_iter().for_each(|detent| structure.put_detent(detent));
@@ -100,10 +100,7 @@ impl Search<'_> {
                 step += 1;
                 continue;
             }
-            self.remove(found, step);
-            // Settled from the earlier models it may end elsewhere.
-            found.chain.pop();
-            found.chain.push(without);
+            self.remove(found, step, without);
             step = 0;
         }
     }
@@ -113,16 +110,18 @@ impl Search<'_> {
         Some(self.settled(judged.structure.without(judged.structure.position(effect)?)))
     }
 
-    /// Makes the chain anew without the effect that was added in a step.
-    fn remove(&self, found: &mut Found, step: usize) {
+    /// Makes the chain anew without the effect that was added in a step; its last model is already.
+    fn remove(&self, found: &mut Found, step: usize, without: Judged) {
         let removed = found.added.remove(step);
         found.chain.remove(step + 1);
         found.rivals.remove(step);
         found.false_discovery_rates.remove(step);
-        for later in &mut found.chain[step + 1..] {
+        found.chain.pop();
+        for later in found.chain.iter_mut().skip(step + 1) {
             if let Some(without) = self.without(later, removed) {
                 *later = without;
             }
         }
+        found.chain.push(without);
     }
 }

@@ -13,7 +13,7 @@ use crate::diagnosis::model_fit::separable::{BEND, Separable};
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::model_fit::unequal;
-use crate::diagnosis::search::acceptance::{EVIDENCE, LEFT, explains_most_of_the_gap};
+use crate::diagnosis::search::acceptance::{LEFT, explains_enough, explains_most_of_the_gap};
 use crate::diagnosis::search::hypotheses::{self, Effort};
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::{Found, Search};
@@ -149,7 +149,7 @@ impl Search<'_> {
             return;
         }
         let best = tried.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
-        if best.is_some_and(|best| best.structure.is_coupled() && best.evidence > current.evidence + EVIDENCE) {
+        if best.is_some_and(|best| best.structure.is_coupled() && explains_enough(current, best)) {
             // It explains most, but not all: it may have been fitted in a neighbouring valley, or be another coupling.
             let may_lose_touch = |effect: &Effect| is_coupling(effect.kind()) && !twist::is_shaft(effect.kind());
             tried.retain(|judged| !judged.structure.effects.last().is_some_and(may_lose_touch));

@@ -126,10 +126,7 @@ fn spectrum(residual: &[f64], rows: &[(dynamics::Motion, f64)], capture: &Captur
     let lines = periodogram(&slid);
     let total: f64 = lines.iter().map(|[_, power]| power).sum::<f64>().max(f64::MIN_POSITIVE);
     let mut strongest = (0.0, 0);
-    for (index, [cycles, power]) in lines.iter().enumerate() {
-        if cycles * rate_hz > capture.band.edge_hz {
-            break;
-        }
+    for (index, [_, power]) in lines.iter().enumerate() {
         // The louder side: noise that falls with the frequency would stand out of what is above it.
         let sides = [index.saturating_sub(NEIGHBOURS)..index, index + 1..(index + NEIGHBOURS + 1).min(lines.len())];
         if sides.iter().any(|side| side.len() < FEWEST_NEIGHBOURS) {

@@ -100,10 +100,11 @@ impl Tracked {
         self.limited_speed_rad_s
     }
 
-    /// Takes in what was measured; gives the newest there is, which is that of an earlier tick where nothing new came, and the
-    /// angle turned since the one before, rad; `None` before the first.
+    /// Takes in a tick's measurement. Returns the newest one and the angle turned since the one before it, rad; `None` before the
+    /// first.
     ///
-    /// New is what is said to be, and was read later than the one before: a clock that stands still brings nothing new.
+    /// A measurement is new unless the rig calls it stale or its time is that of an earlier one. Where it is not, the newest is an
+    /// earlier tick's, and the angle turned is 0.
     pub(super) fn take(
         &mut self,
         measurement: &Measurement,
