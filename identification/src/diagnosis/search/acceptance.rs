@@ -70,6 +70,11 @@ pub(crate) fn explains_nearly_all(before: &Judged, after: &Judged) -> bool {
     closes(NEARLY_ALL, before, after)
 }
 
+/// Whether it does so in stretch after stretch of the held-out capture: then it is something, however its values' intervals overlap.
+pub(crate) fn explains_surely(before: &Judged, after: &Judged) -> bool {
+    explains_nearly_all(before, after) && after.heldout_p_value(before) < FALSE_DISCOVERIES
+}
+
 /// Whether so little of the first model's gap is left that no further effect could be worth a name, even if the floor
 /// were lower than it is thought to be.
 pub(crate) fn explains_the_gap(judged: &Judged, first: &Judged) -> bool {

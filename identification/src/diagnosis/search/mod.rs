@@ -13,8 +13,8 @@ use dynamics::{Effect, EffectKind, Part, effects};
 use rayon::prelude::*;
 
 use self::acceptance::{
-    EVIDENCE, FALSE_DISCOVERIES, LEFT, TIE, explains_most_of_the_gap, explains_nearly_all, explains_the_gap,
-    takes_its_part, worthwhile,
+    EVIDENCE, FALSE_DISCOVERIES, LEFT, TIE, explains_most_of_the_gap, explains_nearly_all, explains_surely,
+    explains_the_gap, takes_its_part, worthwhile,
 };
 use self::judged::Judged;
 use crate::diagnosis::capture::Capture;
@@ -63,6 +63,8 @@ pub(crate) struct Found {
     pub(crate) false_discovery_rates: Vec<f64>,
     /// Whether one was added that is a part of the gap only: then something is left that has no name.
     pub(crate) in_part: bool,
+    /// Whether one was added of which a value may lie beyond what the capture shows: then it may be another effect.
+    pub(crate) is_on_bound: bool,
     /// What explained part of the rest and was not added.
     pub(crate) partial: Vec<Partial>,
     /// What has no name and was added as measured.
@@ -235,10 +237,13 @@ impl Search<'_> {
                     continue;
                 }
             }
-            let Some(best) = worthy.or_else(|| self.discovery(&current, &tried)) else { break };
+            let discovered = worthy.or_else(|| self.discovery(&current, &tried));
+            let on_bound = || if found.added.is_empty() { self.explanation_on_bound(&current, &tried) } else { None };
+            let Some(best) = discovered.or_else(on_bound) else { break };
             let chosen = tried.remove(best);
             if self.add_or_take_for_detents(found, chosen, tried) {
                 found.in_part |= worthy.is_none();
+                found.is_on_bound |= discovered.is_none();
                 self.simplify(found);
             }
         }
@@ -275,7 +280,7 @@ impl Search<'_> {
     pub(crate) fn is_worth_a_name(&self, before: &Judged, after: &Judged, found: &Found) -> bool {
         self.disqualified(after).is_none()
             && worthwhile(before, after, &found.chain[0], self.heldout)
-            && !self.is_nothing(after)
+            && (!self.is_nothing(after) || explains_surely(before, after))
     }
 
     /// The effect that predicts the held-out capture best among those that are a part of a gap too large for any of them
@@ -297,6 +302,11 @@ impl Search<'_> {
         (0..tried.len())
             .filter(is_discovery)
             .min_by(|one, other| tried[*one].heldout_rms_mnm.total_cmp(&tried[*other].heldout_rms_mnm))
+    }
+
+    /// The effect with the most evidence that explains nearly all of the gap, though one of its values stands on a bound.
+    fn explanation_on_bound(&self, current: &Judged, tried: &[Judged]) -> Option<usize> {
+        tried.iter().position(|judged| explains_surely(current, judged) && self.disqualified(judged).is_some())
     }
 
     /// What mere freedom leaves of the held-out capture, mNm.

@@ -30,7 +30,8 @@ impl Search<'_> {
             .collect();
         let pair = firsts.iter().find_map(|first| self.pair_with(found, current, first));
         let may_be_coupled = !is_coupled && !self.detents_are_equal;
-        let pair = pair.or_else(|| if may_be_coupled { self.coupled_pair(found, current, &firsts, tried) } else { None });
+        let pair =
+            pair.or_else(|| if may_be_coupled { self.coupled_pair(found, current, &firsts, tried) } else { None });
         let Some((first, second, rivals)) = pair else { return false };
         found.partial.clear();
         self.add(found, first, tried.to_vec());

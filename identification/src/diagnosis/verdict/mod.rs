@@ -81,7 +81,7 @@ impl Search<'_> {
         let shaped = locations.iter().any(|location| location.significant);
         let is_left = unexplained > MOSTLY_EXPLAINED
             && (left > LEFT && (shaped || left > CERTAINLY_LEFT) || last.heldout_over_floor() > MOSTLY_NOISE);
-        if is_left || found.in_part && unexplained > UNEXPLAINED {
+        if is_left || found.is_on_bound || found.in_part && unexplained > UNEXPLAINED {
             Verdict::OutsideLibrary
         } else if found.rivals.is_empty() {
             Verdict::None
@@ -167,6 +167,13 @@ impl Search<'_> {
             && last.structure.position(effects::torque_offset::KIND.name).is_none()
         {
             diagnosis.notes.extend(one_sided_friction([negative, positive]));
+        }
+        if found.is_on_bound {
+            let reasons =
+                found.chain[1..].iter().filter_map(|judged| Some((judged.newest(), self.disqualified(judged)?)));
+            diagnosis.notes.extend(reasons.map(|(effect, reason)| {
+                format!("{effect}: {reason}: it may be another effect; capture a wider and a faster motion")
+            }));
         }
         if verdict == Verdict::OutsideLibrary {
             let strongest = diagnosis.where_after.iter().find(|location| location.significant);
