@@ -1,5 +1,5 @@
 //! Disks that fill up, go away or cannot be written to during a run.
-#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "tests; a skipped one says so")]
+#![allow(clippy::unwrap_used, reason = "tests")]
 
 mod common;
 
