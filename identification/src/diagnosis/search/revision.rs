@@ -110,7 +110,7 @@ impl Search<'_> {
         Some(self.settled(judged.structure.without(judged.structure.position(effect)?)))
     }
 
-    /// Makes the chain anew without the effect that was added in a step; its last model is already.
+    /// Makes the chain anew without the effect that was added in a step, with `without` as its last model.
     fn remove(&self, found: &mut Found, step: usize, without: Judged) {
         let removed = found.added.remove(step);
         found.chain.remove(step + 1);
