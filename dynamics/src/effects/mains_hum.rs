@@ -50,7 +50,10 @@ pub static KIND: EffectKind = EffectKind {
         searched: &[Search {
             parameter: 1,
             // A strong line shows beyond the band's edge too.
-            range: |scene| (1.2 * scene.band_hz > 51.0).then_some((49.0, (1.2 * scene.band_hz).min(61.0))),
+            range: |scene| {
+                let highest_hz = (1.2 * scene.band_hz).min(61.0);
+                (highest_hz > 51.0).then_some((49.0, highest_hz))
+            },
             starts: |scene| Search::starts_over(12.0 * scene.duration_s),
             logarithmic: false,
             same_as: None,

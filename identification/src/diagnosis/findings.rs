@@ -30,7 +30,7 @@ pub enum Verdict {
 pub struct Diagnosis {
     /// What is missing.
     pub verdict: Verdict,
-    /// Whether nothing else is missing.
+    /// Whether nothing else is missing: beside [`Verdict::Effects`] only if both captures are explained down to the sensors' noise.
     pub complete: bool,
     /// The effects that were added, strongest first. Beside [`Verdict::OutsideLibrary`] something else is left.
     #[serde(borrow)]
@@ -299,9 +299,10 @@ impl Diagnosis {
                 ties.sort_unstable();
                 ties.dedup();
                 let tie = if ties.is_empty() { String::new() } else { format!(" (or {}: a tie)", ties.join(", ")) };
+                let open = if self.complete { "" } else { " That may not be all." };
                 format!(
                     "Missing: {}{tie}. On held-out data the gap shrinks from {:.decimals$} to {:.decimals$} mNm, {over_floor:.2} times the \
-                     noise.",
+                     noise.{open}",
                     self.effects.join(", "),
                     self.heldout_rms_before,
                     self.heldout_rms_after

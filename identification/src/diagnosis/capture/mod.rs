@@ -36,10 +36,11 @@ pub(crate) const SLIDING: f64 = 0.9;
 const WIDEST: f64 = 0.1;
 /// Skew allowed between torque and motion, in samples.
 const SKEW_SAMPLES: f64 = 0.5;
-/// Rows of a stretch whose loudness is taken, and fewest stretches to tell the quietest by.
+/// Rows of a stretch whose loudness is taken, and in a capture of few rows …
 const STRETCH_ROWS: usize = 60;
-const STRETCH_WEIGHT: f64 = 60.0;
-const FEWEST_STRETCHES: usize = 10;
+const SHORT_STRETCH_ROWS: usize = 16;
+/// … of which there would be fewer than twice the fewest stretches to tell the quietest by.
+const FEWEST_STRETCHES: usize = 8;
 
 /// Length of the stretches into which one capture is parted if it is to be its own held-out one, s.
 const STRETCH_S: f64 = 0.5;
@@ -256,19 +257,20 @@ impl Capture {
             self.row_filter.mask.iter().step_by(self.row_filter.step).map(|mask| mask * mask).collect();
         let of_torque = self.white_torque_noise_mnm.powi(2);
         let even = (of_torque + (inertia * self.acceleration_noise_rad_s2).powi(2)).max(f64::MIN_POSITIVE);
+        let length = (residual.len() / (2 * FEWEST_STRETCHES)).clamp(SHORT_STRETCH_ROWS, STRETCH_ROWS);
         let expected = |stretch: usize, weight: f64| match &self.of_steps_rad_s2 {
             Some(rows) => {
-                let rows = &rows[stretch * STRETCH_ROWS..rows.len().min((stretch + 1) * STRETCH_ROWS)];
+                let rows = &rows[stretch * length..rows.len().min((stretch + 1) * length)];
                 weight * of_torque + inertia * inertia * dot(rows, rows)
             }
             None => weight * even,
         };
         let mut ratios: Vec<f64> = residual
-            .chunks(STRETCH_ROWS)
-            .zip(weights.chunks(STRETCH_ROWS))
+            .chunks(length)
+            .zip(weights.chunks(length))
             .map(|(rows, weights)| (dot(rows, rows), weights.iter().sum::<f64>()))
             .enumerate()
-            .filter(|(_, (_, weight))| 2.0 * weight > STRETCH_WEIGHT)
+            .filter(|(_, (_, weight))| 2.0 * weight > length as f64)
             .map(|(stretch, (square, weight))| square / expected(stretch, weight))
             .collect();
         if ratios.len() < FEWEST_STRETCHES { f64::INFINITY } else { (quantile(&mut ratios, 0.1) * even).sqrt() }

@@ -27,7 +27,7 @@ pub(crate) const MOSTLY_EXPLAINED: f64 = 0.15;
 /// Share of the mean square above the floor beyond which nothing is left for another effect.
 const NEARLY_ALL: f64 = 0.9;
 /// How far the floor may lie below its estimate, as a share of it.
-const LOWER_FLOOR: f64 = 0.8;
+pub(crate) const LOWER_FLOOR: f64 = 0.8;
 
 /// Whether an effect more explains enough, surely enough.
 pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldout: &Capture) -> bool {

@@ -63,8 +63,6 @@ pub(crate) struct Found {
     pub(crate) false_discovery_rates: Vec<f64>,
     /// Whether one was added that is a part of the gap only: then something is left that has no name.
     pub(crate) in_part: bool,
-    /// Whether one was added of which a value may lie beyond what the capture shows: then it may be another effect.
-    pub(crate) is_on_bound: bool,
     /// What explained part of the rest and was not added.
     pub(crate) partial: Vec<Partial>,
     /// What has no name and was added as measured.
@@ -237,13 +235,12 @@ impl Search<'_> {
                     continue;
                 }
             }
-            let discovered = worthy.or_else(|| self.discovery(&current, &tried));
             let on_bound = || if found.added.is_empty() { self.explanation_on_bound(&current, &tried) } else { None };
-            let Some(best) = discovered.or_else(on_bound) else { break };
+            let best = worthy.or_else(|| self.discovery(&current, &tried)).or_else(on_bound);
+            let Some(best) = best else { break };
             let chosen = tried.remove(best);
             if self.add_or_take_for_detents(found, chosen, tried) {
                 found.in_part |= worthy.is_none();
-                found.is_on_bound |= discovered.is_none();
                 self.simplify(found);
             }
         }

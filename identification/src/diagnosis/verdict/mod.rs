@@ -15,7 +15,7 @@ use crate::diagnosis::model_fit::intervals;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::unequal;
 use crate::diagnosis::search::acceptance::{
-    LEFT, MOSTLY_EXPLAINED, MOSTLY_NOISE, TIE, UNEXPLAINED, takes_its_part, worthwhile,
+    LEFT, LOWER_FLOOR, MOSTLY_EXPLAINED, MOSTLY_NOISE, TIE, UNEXPLAINED, takes_its_part, worthwhile,
 };
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::{Found, Search};
@@ -67,7 +67,30 @@ fn note_on_time_and_speed(train: &Capture) -> Option<String> {
     })
 }
 
+/// A note on a rest that the names do not surely explain: more than the sensors' noise, or so much less that this is not known.
+fn note_on_the_rest(last: &Judged) -> Option<String> {
+    let over_floor = [last.train_over_floor(), last.heldout_over_floor()];
+    let captures = ["training", "held-out"].into_iter().zip(over_floor);
+    let (which, over_floor) = captures.max_by(|one, other| one.1.ln().abs().total_cmp(&other.1.ln().abs()))?;
+    let because = if over_floor > LEFT {
+        "more than noise may be in it"
+    } else if over_floor < LOWER_FLOOR {
+        "how large the noise is in motion is not known"
+    } else {
+        return None;
+    };
+    Some(format!(
+        "whether the effects added are all is open: what is left of the {which} capture is {over_floor:.1} times the noise, so {because}; \
+         hold out another motion, and let the knob rest for a second in it"
+    ))
+}
+
 impl Search<'_> {
+    /// The effects that were added with a value that may lie beyond what the capture shows, and why: each may be another effect.
+    fn on_bounds(&self, found: &Found) -> Vec<(&'static str, String)> {
+        found.chain[1..].iter().filter_map(|judged| Some((judged.newest(), self.disqualified(judged)?))).collect()
+    }
+
     /// Whether something is missing, and whether all of it has a name.
     pub(crate) fn verdict(&self, found: &Found) -> Verdict {
         let (first, last) = (&found.chain[0], found.named());
@@ -81,7 +104,7 @@ impl Search<'_> {
         let shaped = locations.iter().any(|location| location.significant);
         let is_left = unexplained > MOSTLY_EXPLAINED
             && (left > LEFT && (shaped || left > CERTAINLY_LEFT) || last.heldout_over_floor() > MOSTLY_NOISE);
-        if is_left || found.is_on_bound || found.in_part && unexplained > UNEXPLAINED {
+        if is_left || !self.on_bounds(found).is_empty() || found.in_part && unexplained > UNEXPLAINED {
             Verdict::OutsideLibrary
         } else if found.rivals.is_empty() {
             Verdict::None
@@ -118,7 +141,7 @@ impl Search<'_> {
             });
         let mut diagnosis = Diagnosis {
             verdict,
-            complete: verdict != Verdict::OutsideLibrary,
+            complete: verdict == Verdict::None || verdict == Verdict::Effects && note_on_the_rest(last).is_none(),
             effects,
             summary: String::new(),
             train_rms_before: first.train_rms_mnm,
@@ -168,12 +191,11 @@ impl Search<'_> {
         {
             diagnosis.notes.extend(one_sided_friction([negative, positive]));
         }
-        if found.is_on_bound {
-            let reasons =
-                found.chain[1..].iter().filter_map(|judged| Some((judged.newest(), self.disqualified(judged)?)));
-            diagnosis.notes.extend(reasons.map(|(effect, reason)| {
-                format!("{effect}: {reason}: it may be another effect; capture a wider and a faster motion")
-            }));
+        diagnosis.notes.extend(self.on_bounds(found).into_iter().map(|(effect, reason)| {
+            format!("{effect}: {reason}: it may be another effect; capture a wider and a faster motion")
+        }));
+        if verdict == Verdict::Effects {
+            diagnosis.notes.extend(note_on_the_rest(last));
         }
         if verdict == Verdict::OutsideLibrary {
             let strongest = diagnosis.where_after.iter().find(|location| location.significant);
