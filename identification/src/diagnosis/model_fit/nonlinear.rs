@@ -102,6 +102,8 @@ pub(crate) struct Nonlinear<'a> {
     pub(crate) structure: Structure,
     values: Vec<FreeValue>,
     pub(crate) residual: Vec<f64>,
+    /// Whether bodies are simulated coarsely in slow motion.
+    is_coarse: bool,
 }
 
 impl<'a> Nonlinear<'a> {
@@ -121,7 +123,7 @@ impl<'a> Nonlinear<'a> {
     }
 
     fn with_residual(structure: Structure, residual: Vec<f64>, capture: &'a Capture) -> Self {
-        Self { capture, values: free_values(&structure, capture), structure, residual }
+        Self { capture, values: free_values(&structure, capture), structure, residual, is_coarse: false }
     }
 
     pub(crate) fn squares(&self) -> f64 {
@@ -134,8 +136,9 @@ impl<'a> Nonlinear<'a> {
         dot(&slow, &slow)
     }
 
-    /// Fits all values on slow motion only, band by band.
-    pub(crate) fn refine_slow(&mut self) {
+    /// Fits all values on slow motion only, band by band. A coarse simulation is faster; its error is as large as what a faint contact does.
+    pub(crate) fn refine_slow(&mut self, is_coarse: bool) {
+        self.is_coarse = is_coarse;
         for (share, rounds) in SLOW_BANDS {
             self.refine_in(share, rounds);
         }
@@ -163,7 +166,7 @@ impl<'a> Nonlinear<'a> {
     fn resolution(&self, share: f64) -> Resolution {
         let capture = self.capture;
         let rows = self.residual.len() / narrowing(share, capture);
-        if share == 1.0 || rows < ROWS_PER_VALUE * self.values.len() {
+        if !self.is_coarse || share == 1.0 || rows < ROWS_PER_VALUE * self.values.len() {
             return Resolution::Full;
         }
         Resolution::Slow(whole(capture.rate_hz / (SLOW_SAMPLES * capture.band.edge_hz)).min(LARGEST_STEP))
