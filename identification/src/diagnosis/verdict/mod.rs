@@ -67,22 +67,23 @@ fn note_on_time_and_speed(train: &Capture) -> Option<String> {
     })
 }
 
-/// A note on a rest that the names do not surely explain: more than the sensors' noise, or so much less that this is not known.
+/// Why the effects added may not be all: what is left is more than the sensors' noise, or so much less that the noise is not known.
 fn note_on_the_rest(last: &Judged) -> Option<String> {
     let over_floor = [last.train_over_floor(), last.heldout_over_floor()];
     let captures = ["training", "held-out"].into_iter().zip(over_floor);
     let (which, over_floor) = captures.max_by(|one, other| one.1.ln().abs().total_cmp(&other.1.ln().abs()))?;
-    let because = if over_floor > LEFT {
-        "more than noise may be in it"
+    if over_floor > LEFT {
+        Some(format!(
+            "the effects added may not be all: {over_floor:.1} times the noise is left of the {which} capture; hold out another motion"
+        ))
     } else if over_floor < LOWER_FLOOR {
-        "how large the noise is in motion is not known"
+        Some(format!(
+            "whether the effects added are all is not known: of the {which} capture {over_floor:.1} times the noise is left, which was \
+             overestimated; let the knob rest for a second in a capture"
+        ))
     } else {
-        return None;
-    };
-    Some(format!(
-        "whether the effects added are all is open: what is left of the {which} capture is {over_floor:.1} times the noise, so {because}; \
-         hold out another motion, and let the knob rest for a second in it"
-    ))
+        None
+    }
 }
 
 impl Search<'_> {
