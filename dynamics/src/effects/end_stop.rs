@@ -51,9 +51,7 @@ pub static KIND: EffectKind = EffectKind {
     part: Part::Torque(|values, motion| {
         let mut columns = [0.0; 3];
         columns_at(values, motion, &mut columns);
-        let torque_mnm: f64 = columns.iter().zip(&values[2..]).map(|(column, value)| column * value).sum();
-        // The fit's columns lack this bound: it holds for as long as a damper of D takes to let go, D/K.
-        if columns[0] < 0.0 { torque_mnm.min(0.0) } else { torque_mnm.max(0.0) }
+        torque_mnm(&columns, values)
     }),
     steepest_mnm_rad: Some(|effect| effect.values()[2].max(effect.values()[3])),
     regressors: Some(Regressors {
@@ -126,4 +124,13 @@ fn columns_at(values: &[f64], motion: &Motion, row: &mut [f64]) {
     let is_at_lower = row[0] < 0.0 && (lower_mnm_rad > 0.0 || upper_mnm_rad <= 0.0);
     let is_at_upper = row[1] > 0.0 && (upper_mnm_rad > 0.0 || lower_mnm_rad <= 0.0);
     row[2] = if is_at_lower || is_at_upper { motion.velocity_rad_s } else { 0.0 };
+    // Where the damper would pull, the contact lets go.
+    let torque_mnm = torque_mnm(row, values);
+    if row[0] < 0.0 && torque_mnm > 0.0 || row[1] > 0.0 && torque_mnm < 0.0 {
+        row[..3].fill(0.0);
+    }
+}
+
+fn torque_mnm(columns: &[f64], values: &[f64]) -> f64 {
+    columns.iter().zip(&values[2..]).map(|(column, value)| column * value).sum()
 }

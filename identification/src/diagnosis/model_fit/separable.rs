@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use dynamics::effects::end_stop;
 use dynamics::{Effect, Part};
 
 use crate::diagnosis::capture::Capture;
@@ -95,12 +96,15 @@ impl<'a> Separable<'a> {
 
     /// Solves for the coefficients.
     ///
-    /// A factor multiplies the friction, whose levels are coefficients too, and the load: there it takes steps of Gauss and Newton from the
-    /// coefficients at hand. Fitted in turn, the levels would not count with what the factor makes of them, and end elsewhere where an offset can
-    /// replace them.
+    /// A factor multiplies the friction, whose levels are coefficients too, and the load; a stop lets go where its damper would pull: there it
+    /// takes steps of Gauss and Newton from the coefficients at hand. Fitted in turn, the levels would not count with what the factor makes of
+    /// them, and end elsewhere where an offset can replace them.
     fn solve(&mut self) {
         let nonnegative = self.structure.nonnegative();
-        if self.kept.products.is_empty() && self.structure.load_frictions().is_empty() {
+        let is_linear = self.kept.products.is_empty()
+            && self.structure.load_frictions().is_empty()
+            && self.structure.position(end_stop::KIND.name).is_none();
+        if is_linear {
             let solved = LeastSquares::held(&self.columns(), &self.target, &nonnegative, &[]);
             self.structure.take(&solved.coefficients);
             (self.coefficients, self.residual) = (solved.coefficients, solved.residual);
@@ -125,6 +129,9 @@ impl<'a> Separable<'a> {
     /// Takes coefficients, and makes the rows of them that depend on them.
     fn take(&mut self, coefficients: Vec<f64>) {
         self.structure.take(&coefficients);
+        if let Some(stop) = self.structure.position(end_stop::KIND.name) {
+            self.kept.rows[stop] = self.capture.rows_of(&self.structure, stop);
+        }
         for factor in self.structure.factors() {
             self.kept.rows[factor] = self.factor_rows(factor, &coefficients);
         }
