@@ -3,7 +3,7 @@
 //! `cargo run --release -p identification --example acceleration_study -- [SEEDS] [rig|coarse|recorded]`
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/all/common/mod.rs"]
 mod common;
 
 use std::f64::consts::TAU;

@@ -4,7 +4,7 @@
 //! `cargo run --release -p identification --example average_study -- [PAIRS]`
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/all/common/mod.rs"]
 mod common;
 
 use std::f64::consts::TAU;

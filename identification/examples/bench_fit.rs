@@ -3,7 +3,7 @@
 //! `cargo run --release -p identification --example bench_fit -- COLUMNS [MOST_SAMPLES]`
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/all/common/mod.rs"]
 mod common;
 
 use std::time::{Duration, Instant};

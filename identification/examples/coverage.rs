@@ -4,7 +4,7 @@
 //! [--ideal noise,steps,compliance,lags,servo] [--first-seed N] [--duration S] [--errors FILE.csv]`
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/all/common/mod.rs"]
 mod common;
 
 use std::sync::Mutex;

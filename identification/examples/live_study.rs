@@ -1,7 +1,7 @@
 //! The live fit against the fit of the whole capture on the simulated rig, and what it costs.
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/all/common/mod.rs"]
 mod common;
 
 use common::{Capture, RATE_HZ, run};

@@ -3,7 +3,7 @@
 //! `cargo run --release -p identification --example preparations -- [SEEDS]`
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/all/common/mod.rs"]
 mod common;
 
 use common::{Failure, Uniform, captured_at, true_value};

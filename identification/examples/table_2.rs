@@ -4,7 +4,7 @@
 //! `cargo run --release -p identification --example table_2 -- [CAPTURES] [PERIODS]`
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/all/common/mod.rs"]
 mod common;
 
 use common::{SLIDING, TABLE_2, Uniform, knob, sweep};

@@ -9,13 +9,14 @@ use tests::{Bench, printed, program};
 use super::captures::is_the_plants;
 
 /// A virtual CAN interface, the server on one side of it and the commands of an owner on the other. Programs are read before they
-/// are run: a clock that goes by instructions leaps ahead while the guest waits for a file.
+/// are run: a clock that goes by instructions leaps ahead while the guest waits for a file. They are stripped, since an emulated processor
+/// reads slowly.
 const SCRIPT: &str = r#"
 ip link add vcan0 type vcan && ip link set vcan0 mtu 72 up
-cat {programs}/haptic-camera {programs}/rt-loop {programs}/recorder {programs}/live-fitter {server} >/dev/null
+cat {programs}/* >/dev/null
 export HAPTIC_CAMERA_RUNTIME_DIR=/run/rig
 # Like a controller it waits for no other task; it ends with the interface and starts with it again.
-while :; do chrt -f 60 {server} --can vcan0; sleep 0.1; done &
+while :; do chrt -f 60 {programs}/moteus_server --can vcan0; sleep 0.1; done &
 sleep 1
 {programs}/haptic-camera rig scan vcan0 --out rig.toml
 {programs}/haptic-camera rig check rig.toml --rate-hz 1000 --duration-s 1 --json {bench}/check.json
@@ -40,10 +41,15 @@ const NO_GUEST: i32 = 77;
 #[test]
 fn a_plant_behind_a_controller_on_a_can_bus_is_captured_as_it_is_and_a_link_that_goes_down_is_reported() {
     let bench = Bench::new().unwrap();
-    let programs = program("haptic-camera").unwrap();
+    std::fs::create_dir(bench.path("programs")).unwrap();
+    let programs = ["haptic-camera", "rt-loop", "recorder", "live-fitter"].map(|name| program(name).unwrap());
+    for from in programs.into_iter().chain([env!("CARGO_BIN_EXE_moteus_server").into()]) {
+        let to = bench.path("programs").join(from.file_name().unwrap());
+        let stripped = Command::new("strip").arg("-o").arg(&to).arg(&from).status();
+        assert!(stripped.unwrap().success(), "{} is not stripped", from.display());
+    }
     let script = SCRIPT
-        .replace("{server}", env!("CARGO_BIN_EXE_moteus_server"))
-        .replace("{programs}", &programs.parent().unwrap().to_string_lossy())
+        .replace("{programs}", &bench.path("programs").to_string_lossy())
         .replace("{bench}", &bench.path("").to_string_lossy());
     std::fs::write(bench.path("script"), script).unwrap();
     let mut guest = Command::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scripts/in-guest"));

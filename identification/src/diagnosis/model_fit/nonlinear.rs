@@ -25,6 +25,9 @@ const ROWS_PER_VALUE: usize = 10;
 const SLOW_SAMPLES: f64 = 5.0;
 /// … and most samples that are passed at once.
 const LARGEST_STEP: usize = 4;
+/// A fit that leaves more than this, in floors, may be led into its valley by a coarse simulation of slow motion: its error is as large as what
+/// a fainter contact does.
+const COARSE: f64 = 6.0;
 /// Steps in the whole band.
 const ROUNDS: usize = 14;
 /// Steps in the whole band after which it shows whether a start leads anywhere: one set of derivatives.
@@ -136,7 +139,13 @@ impl<'a> Nonlinear<'a> {
         dot(&slow, &slow)
     }
 
-    /// Fits all values on slow motion only, band by band. A coarse simulation is faster; its error is as large as what a faint contact does.
+    /// Whether so much is left that slow motion may be simulated coarsely to find what is missing.
+    pub(crate) fn leaves_much(&self) -> bool {
+        let floor_mnm = self.capture.floor_of_mnm(&self.structure);
+        self.squares() > (COARSE * floor_mnm).powi(2) * self.capture.weight
+    }
+
+    /// Fits all values on slow motion only, band by band.
     pub(crate) fn refine_slow(&mut self, is_coarse: bool) {
         self.is_coarse = is_coarse;
         for (share, rounds) in SLOW_BANDS {

@@ -36,7 +36,7 @@ pub(crate) fn fitted<'a>(fit: &Nonlinear<'a>, train: &'a Capture) -> Option<Nonl
     if coarse.squares() > HOPELESS * fit.squares() {
         return None;
     }
-    coarse.refine_slow(true);
+    coarse.refine_slow(fit.leaves_much());
     coarse.refine();
     let mut fine = best_of(&FINE_LEVELS.map(|share| coarse.structure.sticking(share * largest_mnm)), train)?;
     fine.refine();

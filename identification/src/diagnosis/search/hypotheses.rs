@@ -25,9 +25,6 @@ const SLOW: f64 = 0.25;
 const STARTED: usize = 3;
 /// Starts of a coupling that are refined in a thorough search.
 const STARTED_THOROUGHLY: usize = 20;
-/// A fit that leaves more than this, in floors, is led into its valley by a coarse simulation of slow motion, whose error a fainter contact may
-/// not exceed.
-const COARSE: f64 = 6.0;
 /// Share of the squares of slow motion that a coupling must not leave to be looked at in the whole band.
 const HOPELESS: f64 = 0.95;
 /// A gap this close to the floor is closed, in floors.
@@ -192,7 +189,7 @@ pub(crate) fn coupled<'a>(
     starts[first..].sort_by(|a, b| a.1.total_cmp(&b.1));
     starts.truncate(if effort == Effort::Thorough { STARTED_THOROUGHLY } else { 2 * STARTED });
     let present = Nonlinear::new(unskewed, train);
-    let is_coarse = present.squares() > (COARSE * train.floor_of_mnm(&present.structure)).powi(2) * train.weight;
+    let is_coarse = present.leaves_much();
     let present = present.slow_squares(SLOW);
     let refined = starts.par_iter().filter_map(|(_, _, start)| {
         let mut fit = start.clone();

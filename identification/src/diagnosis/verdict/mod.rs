@@ -69,16 +69,18 @@ fn note_on_time_and_speed(train: &Capture) -> Option<String> {
 
 /// Why the effects added may not be all: what is left is more than the sensors' noise, or so much less that the noise is not known.
 fn note_on_the_rest(last: &Judged) -> Option<String> {
-    let over_floor = [last.train_over_floor(), last.heldout_over_floor()];
-    let captures = ["training", "held-out"].into_iter().zip(over_floor);
-    let (which, over_floor) = captures.max_by(|one, other| one.1.ln().abs().total_cmp(&other.1.ln().abs()))?;
-    if over_floor > LEFT {
+    let [(quieter, least), (louder, most)] = {
+        let mut captures = [("training", last.train_over_floor()), ("held-out", last.heldout_over_floor())];
+        captures.sort_by(|one, other| one.1.total_cmp(&other.1));
+        captures
+    };
+    if most > LEFT {
         Some(format!(
-            "the effects added may not be all: {over_floor:.1} times the noise is left of the {which} capture; hold out another motion"
+            "the effects added may not be all: {most:.1} times the noise is left of the {louder} capture; hold out another motion"
         ))
-    } else if over_floor < LOWER_FLOOR {
+    } else if least < LOWER_FLOOR {
         Some(format!(
-            "whether the effects added are all is not known: of the {which} capture {over_floor:.1} times the noise is left, which was \
+            "whether the effects added are all is not known: of the {quieter} capture {least:.1} times the noise is left, which was \
              overestimated; let the knob rest for a second in a capture"
         ))
     } else {
@@ -140,9 +142,10 @@ impl Search<'_> {
                     self.options.reach_rad,
                 )
             });
+        let rest = if verdict == Verdict::Effects { note_on_the_rest(last) } else { None };
         let mut diagnosis = Diagnosis {
             verdict,
-            complete: verdict == Verdict::None || verdict == Verdict::Effects && note_on_the_rest(last).is_none(),
+            complete: verdict != Verdict::OutsideLibrary && rest.is_none(),
             effects,
             summary: String::new(),
             train_rms_before: first.train_rms_mnm,
@@ -195,9 +198,7 @@ impl Search<'_> {
         diagnosis.notes.extend(self.on_bounds(found).into_iter().map(|(effect, reason)| {
             format!("{effect}: {reason}: it may be another effect; capture a wider and a faster motion")
         }));
-        if verdict == Verdict::Effects {
-            diagnosis.notes.extend(note_on_the_rest(last));
-        }
+        diagnosis.notes.extend(rest);
         if verdict == Verdict::OutsideLibrary {
             let strongest = diagnosis.where_after.iter().find(|location| location.significant);
             diagnosis.notes.push(next_step(strongest.map(|location| location.coordinate)).to_owned());

@@ -1,0 +1,99 @@
+//! Several captures made into one model: narrower intervals that still hold, wider ones where captures disagree.
+
+use crate::common::{SLIDING, run, true_value};
+use dynamics::{Drive, Model, knobs};
+use identification::{Fit, average, fit};
+
+fn fitted(knob: &Model, sweep: &str, seed: u64) -> Fit {
+    let capture = run(knob, sweep, Drive::Position, None, 8.0, seed);
+    fit(&capture.samples(), &capture.options()).unwrap()
+}
+
+fn half_width(fit: &Fit, name: &str) -> f64 {
+    let [low, high] = fit.parameters.get(name).unwrap().ci95.unwrap();
+    0.5 * (high - low)
+}
+
+#[test]
+fn the_mean_of_captures_has_narrower_intervals_that_still_hold_the_truth() {
+    for number in [3, 4] {
+        let knob = knobs::paper_knob(number).unwrap();
+        let (mut told, mut held, mut narrower) = (0, 0, 0.0);
+        for seed in 0..6 {
+            let fits = [fitted(&knob, "linear-chirp", 2 * seed + 1), fitted(&knob, "stepped-amplitude", 2 * seed + 2)];
+            let mean = average(&fits).unwrap();
+            assert_eq!(mean.captures, 2);
+            assert_eq!(mean.fit.samples, fits[0].samples + fits[1].samples);
+            for name in SLIDING {
+                let parameter = mean.fit.parameters.get(name).unwrap();
+                let [low, high] = parameter.ci95.unwrap();
+                told += 1;
+                held += u32::from((low..=high).contains(&true_value(&knob, name).unwrap()));
+                narrower += half_width(&mean.fit, name) / half_width(&fits[0], name).min(half_width(&fits[1], name));
+            }
+        }
+        narrower /= f64::from(told);
+        println!("knob {number}: {held} of {told} hold; intervals {narrower:.2} of the best capture's");
+        assert!(held * 10 >= told * 9, "knob {number}: {held} of {told} intervals hold the truth");
+        assert!(narrower < 1.3, "knob {number}: intervals grow to {narrower} of the best capture's");
+    }
+}
+
+#[test]
+fn captures_of_different_knobs_are_told_apart_and_widen_the_intervals() {
+    let fits = [
+        fitted(&knobs::paper_knob(3).unwrap(), "linear-chirp", 1),
+        fitted(&knobs::paper_knob(4).unwrap(), "linear-chirp", 1),
+    ];
+    let mean = average(&fits).unwrap();
+    let inertia = mean.fit.parameters.get("inertia").unwrap();
+    let [low, high] = inertia.ci95.unwrap();
+    assert!(low < 0.035 && 0.049 < high, "the interval {low} to {high} spans both knobs");
+    assert!(mean.repeatability["inertia"].ratio > 5.0);
+    assert!(mean.fit.notes.iter().any(|note| note.contains("are they of the same knob")), "{:?}", mean.fit.notes);
+}
+
+#[test]
+fn a_phase_near_the_cut_of_the_circle_does_not_average_to_zero() {
+    // Phases of π − 0.01 and −π + 0.01 lie side by side.
+    let mut knob = knobs::paper_knob(4).unwrap();
+    let detent = knob.effects.iter_mut().find(|effect| effect.kind().name == "detent").unwrap();
+    detent.values_mut()[0] = 11.0;
+    detent.values_mut()[2] = std::f64::consts::PI;
+    let fits: Vec<Fit> = (1..=4).map(|seed| fitted(&knob, "linear-chirp", seed)).collect();
+    let mean = average(&fits).unwrap();
+    let phase = mean.fit.parameters.get("detent_phase").unwrap().value.unwrap();
+    assert!(phase.abs() > 3.1, "{phase}");
+    assert!(mean.repeatability["detent_phase"].difference < 0.1);
+}
+
+#[test]
+fn the_combined_json_keeps_every_key_of_a_single_fit() {
+    let knob = knobs::paper_knob(3).unwrap();
+    let fits = [fitted(&knob, "linear-chirp", 1), fitted(&knob, "linear-chirp", 2)];
+    let single = serde_json::to_value(&fits[0]).unwrap();
+    let json = serde_json::to_value(average(&fits).unwrap()).unwrap();
+    for key in single.as_object().unwrap().keys().filter(|key| *key != "detent_harmonics") {
+        assert!(json.get(key).is_some(), "{key} is missing");
+    }
+    assert_eq!(json["captures"], 2);
+    assert_eq!(json["repeatability"]["inertia"]["values"].as_array().unwrap().len(), 2);
+    assert!(json["parameters"]["inertia"]["ci95"][0].is_f64());
+    let model = average(&fits).unwrap().model("knob 3");
+    assert!(model.description.starts_with("mean of 2 captures"));
+    let told = json["parameters"]["inertia"]["value"].as_f64().unwrap();
+    assert!((model.inertia() - told).abs() < 1e-12, "the gripper is not in the model");
+}
+
+#[test]
+fn one_capture_is_its_own_mean() {
+    let only = fitted(&knobs::paper_knob(3).unwrap(), "linear-chirp", 1);
+    let mean = average(std::slice::from_ref(&only)).unwrap();
+    for name in SLIDING {
+        let (own, same) = (only.parameters.get(name).unwrap(), mean.fit.parameters.get(name).unwrap());
+        assert!((own.value.unwrap() - same.value.unwrap()).abs() < 1e-9, "{name}");
+        assert!((half_width(&only, name) / half_width(&mean.fit, name) - 1.0).abs() < 0.05, "{name}");
+    }
+    assert!(mean.repeatability.is_empty());
+    assert!(average(&[]).is_none());
+}
