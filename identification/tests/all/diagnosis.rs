@@ -1,8 +1,7 @@
 //! Effects hidden by others are named from captures alone; what cannot be told is refused with its sentence.
 
 use crate::common::{Capture, Uniform, table};
-use hidden_effects::capture::Capture as Hidden;
-use hidden_effects::family::Family;
+use crate::hidden::hidden;
 use identification::diagnosis::{DiagnoseOptions, Diagnosis, DiagnosisError, Verdict, diagnose};
 
 fn diagnosed(train: &Capture, heldout: Option<&Capture>) -> Result<Diagnosis, DiagnosisError> {
@@ -44,21 +43,13 @@ fn what_an_independent_simulator_hid_is_named_and_the_gap_closed() {
     }
 }
 
-/// Captures of the plant under `tests/hidden-effects`, which shares nothing with the candidates.
-fn hidden(seed: u64, asked: &str, strength: f64) -> [Capture; 2] {
-    let folder = tempfile::tempdir().unwrap();
-    let hidden = Hidden::new(seed, 0, Family::Standard, asked, strength).unwrap();
-    hidden.write(folder.path()).unwrap();
-    ["train.csv", "heldout.csv"].map(|file| table(&folder.path().join(&hidden.name).join(file)))
-}
-
 #[test]
 fn effects_hidden_by_the_plant_are_named_at_three_times_the_noise() {
     let mut wrong = Vec::new();
     for (seed, effect) in
         [(1, "stribeck"), (2, "mass-imbalance"), (3, "quadratic-drag"), (4, "friction-drift"), (5, "cogging")]
     {
-        let [train, heldout] = hidden(1000 + seed, effect, 3.0);
+        let ([train, heldout], _) = hidden(1000 + seed, effect, 3.0);
         let found = diagnosed(&train, Some(&heldout)).unwrap();
         if verdict(&found) != [effect] {
             wrong.push(format!("{effect}: {}", found.summary));
@@ -70,7 +61,7 @@ fn effects_hidden_by_the_plant_are_named_at_three_times_the_noise() {
 #[test]
 fn nothing_is_found_where_nothing_is_hidden() {
     for seed in 0..4 {
-        let [train, heldout] = hidden(2000 + seed, "none", 3.0);
+        let ([train, heldout], _) = hidden(2000 + seed, "none", 3.0);
         let found = diagnosed(&train, Some(&heldout)).unwrap();
         assert_eq!(found.verdict, Verdict::None, "seed {seed}: {}", found.summary);
         assert!(found.effects.is_empty() && found.steps.is_empty());
@@ -79,7 +70,7 @@ fn nothing_is_found_where_nothing_is_hidden() {
 
 #[test]
 fn stretches_of_one_capture_are_held_out_where_there_is_no_other_and_that_is_said() {
-    let [train, _] = hidden(3000, "mass-imbalance", 10.0);
+    let ([train, _], _) = hidden(3000, "mass-imbalance", 10.0);
     let found = diagnosed(&train, None).unwrap();
     assert_eq!(verdict(&found), ["mass-imbalance"]);
     assert!(found.heldout_is_own && found.notes.iter().any(|note| note.contains("weaker")), "{:?}", found.notes);
@@ -87,7 +78,7 @@ fn stretches_of_one_capture_are_held_out_where_there_is_no_other_and_that_is_sai
 
 #[test]
 fn captures_that_permit_no_verdict_are_refused_with_the_reason() {
-    let [train, heldout] = hidden(4000, "none", 3.0);
+    let ([train, heldout], _) = hidden(4000, "none", 3.0);
     let refused = |heldout: &Capture| diagnosed(&train, Some(heldout)).unwrap_err();
     assert!(matches!(refused(&train), DiagnosisError::SameCapture));
 

@@ -17,6 +17,7 @@ mod faulty_sensors;
 mod few_periods;
 mod filters_match_scipy;
 mod foreign_loggers;
+mod hidden;
 mod invariance;
 mod made_over;
 mod measured_axis;

@@ -2,19 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use crate::common::table;
-use hidden_effects::capture::{Answer, Capture};
-use hidden_effects::family::Family;
-use identification::diagnosis::{DiagnoseOptions, Diagnosis, Value, Verdict, diagnose};
+use crate::hidden;
+use hidden_effects::capture::Answer;
+use identification::diagnosis::{Diagnosis, Value, Verdict};
 
 /// A diagnosis of captures of the plant under `tests/hidden-effects`, and what they hide.
 fn diagnosed(seed: u64, asked: &str, strength: f64) -> (Diagnosis, Answer) {
-    let folder = tempfile::tempdir().unwrap();
-    let hidden = Capture::new(seed, 0, Family::Standard, asked, strength).unwrap();
-    hidden.write(folder.path()).unwrap();
-    let [train, heldout] = ["train.csv", "heldout.csv"].map(|file| table(&folder.path().join(&hidden.name).join(file)));
-    let found = diagnose(&train.samples(), Some(&heldout.samples()), &DiagnoseOptions::default()).unwrap();
-    (found, hidden.answer)
+    let ([train, heldout], answer) = hidden::hidden(seed, asked, strength);
+    (hidden::diagnosed(&train, &heldout), answer)
 }
 
 /// A knob whose detents differ, as the plant has it.

@@ -1,12 +1,10 @@
 //! What a capture shows, and what a model lacks, is the same whenever it began, in any unit of torque and seen from either end of
 //! the shaft.
 
-use crate::common::{Capture, run, table};
+use crate::common::{Capture, run};
+use crate::hidden::{diagnosed, hidden};
 use dynamics::{Direction, Drive, knobs};
-use hidden_effects::capture::Capture as Hidden;
-use hidden_effects::family::Family;
 use identification::checks::{Breakaway, FreeTravel, breakaways, count_detents, free_travel};
-use identification::diagnosis::{DiagnoseOptions, Diagnosis, diagnose};
 
 /// A capture of another beginning, unit of torque or sense of rotation.
 struct Changed {
@@ -110,22 +108,10 @@ fn the_same_lost_motion_is_seen() {
     }
 }
 
-/// A pair of captures of the plant under `tests/hidden-effects`.
-fn hidden(seed: u64, asked: &str) -> [Capture; 2] {
-    let folder = tempfile::tempdir().unwrap();
-    let hidden = Hidden::new(seed, 0, Family::Standard, asked, 3.0).unwrap();
-    hidden.write(folder.path()).unwrap();
-    ["train.csv", "heldout.csv"].map(|file| table(&folder.path().join(&hidden.name).join(file)))
-}
-
-fn diagnosed(train: &Capture, heldout: &Capture) -> Diagnosis {
-    diagnose(&train.samples(), Some(&heldout.samples()), &DiagnoseOptions::default()).unwrap()
-}
-
 #[test]
 fn the_same_is_missing() {
     for (seed, asked) in [(2, "none"), (4, "friction-drift"), (6, "mains-hum"), (7, "stribeck"), (8, "end-stop")] {
-        let [train, heldout] = hidden(3000 + seed, asked);
+        let ([train, heldout], _) = hidden(3000 + seed, asked, 3.0);
         let expected = diagnosed(&train, &heldout);
         for change in CHANGES_TOGETHER {
             let found = diagnosed(&changed(&train, &change), &changed(&heldout, &change));
