@@ -7,7 +7,7 @@ use super::capture::{Capture, EDGE_HZ, Stretches};
 use super::error::DiagnosisError;
 use super::findings::{Diagnosis, Verdict};
 use super::model_fit::undetermined::Undetermined;
-use super::search::judged::Judged;
+use super::search::acceptance::explains_the_gap;
 use super::search::{Found, Search};
 use super::verdict::commanded::CommandedTorque;
 use crate::quasi_static::Map;
@@ -82,44 +82,43 @@ pub fn diagnose(
     let search = Search { train: train_capture, heldout: given, options, detents_are_equal: false };
     let base = if undetermined.is_some() { search.settled(base.structure) } else { base };
     // Detents that differ from the model's seem to be elsewhere.
-    let may_be_moved = heldout.is_some() && !search.detents_are_unequal(&base);
-    let mut zero = if may_be_moved { EncoderZero::of(&base, &captures) } else { None };
-    let mut base = Some(base);
+    let are_unequal = search.detents_are_unequal(&base);
+    let zero = if heldout.is_some() && !are_unequal { EncoderZero::of(&base, &captures) } else { None };
+    let mut comparison = Comparison { zero, are_unequal };
     let mut rounds = 0;
-    let mut are_unequal = false;
     loop {
-        let moved = zero.map(|zero| zero.taken_out_of(given));
-        let mut search = Search { heldout: moved.as_ref().unwrap_or(given), ..search };
-        let mut base = match base.take() {
-            Some(base) if zero.is_none() => base,
-            _ => search.base(train)?,
+        rounds += 1;
+        let after = |found: &Found, comparison: Comparison| {
+            let is_last = rounds == MOST_ROUNDS;
+            if is_last { comparison } else { comparison.after(found, train_capture, given, heldout.is_some()) }
         };
-        // Where each detent is different, those that the knob was not turned through are unknown.
-        are_unequal = are_unequal || search.detents_are_unequal(&base);
-        let within = are_unequal.then(|| search.heldout.within(search.train)).flatten();
-        if let Some(within) = &within {
-            search.heldout = within;
-            base = search.settled(base.structure);
+        let compared = comparison.of(train_capture, given);
+        let mut search = Search { heldout: &compared, ..search };
+        let base = base.judged_by(train_capture, &compared);
+        search.check(&base)?;
+        let mut found = search.explain(base);
+        let changed = after(&found, comparison);
+        let changed_compared = changed.of(train_capture, given);
+        if changed != comparison {
+            comparison = changed;
+            found = found.judged_by(train_capture, &changed_compared);
+            if !explains_the_gap(found.named(), &found.chain[0]) {
+                continue;
+            }
+            search.heldout = &changed_compared;
         }
-        let (found, verdict) = explained(&search, base)?;
-        let is_late = !are_unequal && found.added.contains(&effects::unequal_detents::KIND.name);
-        if is_late && search.heldout.within(search.train).is_some() {
-            // What hid it made the unknown detents count.
-            are_unequal = true;
+        found = search.reconsidered(found);
+        let changed = after(&found, comparison);
+        if changed != comparison {
+            comparison = changed;
             continue;
         }
-        // With what was missing, the angle between the zeros is known better.
-        let named = heldout.map(|_| found.named());
-        let again = named.and_then(|named| EncoderZero::again(zero, &named.structure, given));
-        rounds += 1;
-        if rounds == MOST_ROUNDS || !EncoderZero::differ(zero, again) {
-            let mut diagnosis = search.report(&found, verdict, heldout.is_none());
-            diagnosis.notes.extend(again.or(zero).map(|zero| zero.note()));
-            diagnosis.notes.extend(within.map(|_| BEYOND.to_owned()));
-            diagnosis.notes.extend(undetermined.as_ref().map(Undetermined::note));
-            return Ok(diagnosis);
-        }
-        zero = again;
+        let verdict = search.conclude(&mut found);
+        let mut diagnosis = search.report(&found, verdict, heldout.is_none());
+        diagnosis.notes.extend(comparison.zero.map(|zero| zero.note()));
+        diagnosis.notes.extend(comparison.within(train_capture, given).map(|_| BEYOND.to_owned()));
+        diagnosis.notes.extend(undetermined.as_ref().map(Undetermined::note));
+        return Ok(diagnosis);
     }
 }
 
@@ -127,18 +126,55 @@ pub fn diagnose(
 const BEYOND: &str = "the detents are unequal: where the held-out capture goes beyond the angles of the training capture it is \
                       left out; capture a whole turn to have every detent";
 
-/// What the search finds from a base model on; what has no name is measured.
-fn explained(search: &Search<'_>, base: Judged) -> Result<(Found, Verdict), DiagnosisError> {
-    search.check(&base)?;
-    let mut found = search.explain(base);
-    search.eliminate(&mut found);
-    let verdict = search.verdict(&found);
-    if verdict != Verdict::None {
-        search.measure_the_rest(&mut found);
+/// What of the held-out capture is compared.
+#[derive(Clone, Copy, PartialEq)]
+struct Comparison {
+    /// Its encoder's zero, where that is not the training capture's.
+    zero: Option<EncoderZero>,
+    /// Whether each detent is different: those that the knob was not turned through in the training capture are unknown.
+    are_unequal: bool,
+}
+
+impl Comparison {
+    fn of(self, train: &Capture, given: &Capture) -> Capture {
+        self.within(train, given).unwrap_or_else(|| self.moved(given))
     }
-    // What is left and can be measured is missing, however little it is.
-    let is_all = found.characteristics.is_empty();
-    Ok((found, if is_all { verdict } else { Verdict::OutsideLibrary }))
+
+    fn moved(self, given: &Capture) -> Capture {
+        self.zero.map_or_else(|| given.clone(), |zero| zero.taken_out_of(given))
+    }
+
+    /// The same without the angles beyond the training capture's; `None` where they need not be left out.
+    fn within(self, train: &Capture, given: &Capture) -> Option<Capture> {
+        if self.are_unequal { self.moved(given).within(train) } else { None }
+    }
+
+    /// The same as a model with what was missing tells it.
+    fn after(self, found: &Found, train: &Capture, given: &Capture, zero_may_move: bool) -> Self {
+        let mut after = self;
+        if zero_may_move {
+            let again = EncoderZero::again(self.zero, &found.named().structure, given);
+            if EncoderZero::differ(self.zero, again) {
+                after.zero = again;
+            }
+        }
+        let unequal = Self { are_unequal: true, ..after };
+        let are_unequal = found.added.contains(&effects::unequal_detents::KIND.name);
+        if are_unequal && unequal.within(train, given).is_some() { unequal } else { after }
+    }
+}
+
+impl Search<'_> {
+    /// Takes out what is superfluous and measures what has no name.
+    fn conclude(&self, found: &mut Found) -> Verdict {
+        self.eliminate(found);
+        let verdict = self.verdict(found);
+        if verdict != Verdict::None {
+            self.measure_the_rest(found);
+        }
+        // What is left and can be measured is missing, however little it is.
+        if found.characteristics.is_empty() { verdict } else { Verdict::OutsideLibrary }
+    }
 }
 
 fn prepare(

@@ -104,7 +104,9 @@ impl RowFilter {
             columns.iter_mut().for_each(|column| column.resize(range.len(), 0.0));
             fill(range.clone(), &mut columns);
             let first = start * self.step - range.start;
-            for (rows, column) in rows.iter_mut().zip(&mut columns) {
+            // What acts in part of the range only is zero elsewhere.
+            let acting = rows.iter_mut().zip(&mut columns).filter(|(_, column)| column.iter().any(|value| *value != 0.0));
+            for (rows, column) in acting {
                 vector::multiply_by(column, &self.mask[range.clone()]);
                 self.fir.decimate_part(column, first, self.step, &mut rows[start..end]);
             }
@@ -116,9 +118,18 @@ impl RowFilter {
     }
 
     /// The same of columns whose values `write` gives sample by sample; where the mask is zero they are zero.
-    pub(crate) fn rows_by_sample(&self, count: usize, mut write: impl FnMut(usize, &mut [f64])) -> Vec<Vec<f64>> {
+    pub(crate) fn rows_by_sample(&self, count: usize, write: impl FnMut(usize, &mut [f64])) -> Vec<Vec<f64>> {
+        self.rows_of(count, self.by_sample(count, write))
+    }
+
+    /// Writes `count` columns for a range of samples, whose values `write` gives sample by sample; where the mask is zero they are zero.
+    pub(crate) fn by_sample(
+        &self,
+        count: usize,
+        mut write: impl FnMut(usize, &mut [f64]),
+    ) -> impl FnMut(Range<usize>, &mut [Vec<f64>]) {
         let mut values = vec![0.0; count];
-        self.rows_of(count, |range, columns| {
+        move |range, columns| {
             for (place, at) in range.enumerate() {
                 if self.mask[at] == 0.0 {
                     values.fill(0.0);
@@ -127,17 +138,12 @@ impl RowFilter {
                 }
                 columns.iter_mut().zip(&values).for_each(|(column, value)| column[place] = *value);
             }
-        })
+        }
     }
 
     /// Rows of an effect's columns; none if it has no part in a fit.
     pub(crate) fn effect_rows(&self, effect: &Effect, motion: &KnobMotion) -> Vec<Vec<f64>> {
-        self.leading_effect_rows(effect, usize::MAX, motion)
-    }
-
-    /// The same of at most so many columns.
-    pub(crate) fn leading_effect_rows(&self, effect: &Effect, most: usize, motion: &KnobMotion) -> Vec<Vec<f64>> {
-        let count = effect.kind().regressors.map_or(0, |regressors| regressors.columns.min(most));
+        let count = effect.kind().regressors.map_or(0, |regressors| regressors.columns);
         let is_unmasked = |index: usize| self.mask[index] != 0.0;
         self.rows_of(count, |range, columns| fill(effect, motion, is_unmasked, range, columns))
     }
@@ -226,7 +232,7 @@ pub(crate) fn fill(
     columns: &mut [Vec<f64>],
 ) {
     let Some(regressors) = effect.kind().regressors else { return };
-    // The base model's effects by whole columns; the others sample by sample, as they define themselves.
+    // The base model's effects and sinusoids by whole columns; the others sample by sample, as they define themselves.
     let name = effect.kind().name;
     match columns {
         [acceleration] if name == effects::inertia::KIND.name => {
@@ -235,6 +241,18 @@ pub(crate) fn fill(
         }
         [sine, cosine] if name == effects::detent::KIND.name => {
             vector::sines(&motion.angle_rad[range], 1.0 / effect.values()[1], sine, cosine);
+            return;
+        }
+        lines if name == effects::cogging::KIND.name => {
+            for (line, parameter) in lines.chunks_exact_mut(2).zip(regressors.searched) {
+                let per_turn = effect.values()[*parameter];
+                match line {
+                    [sine, cosine] if per_turn != 0.0 => {
+                        vector::sines(&motion.angle_rad[range.clone()], per_turn, sine, cosine);
+                    }
+                    absent => absent.iter_mut().for_each(|column| column.fill(0.0)),
+                }
+            }
             return;
         }
         [coulomb_negative, coulomb_positive, viscous_negative, viscous_positive]

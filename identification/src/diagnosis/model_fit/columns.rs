@@ -1,59 +1,56 @@
 //! The columns that a structure's effects make of a motion, in rows.
 
+use std::ops::Range;
+
 use dynamics::{Bristles, Direction, Effect, Motion, Part, Regressors};
 
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::preparation::motion::KnobMotion;
-use crate::preparation::row_filter::RowFilter;
+use crate::preparation::row_filter::{self, RowFilter};
 
 impl Structure {
-    /// Whether the columns of the effect at an index depend on other effects, or on what was before.
-    pub(crate) fn depends_on_others(&self, index: usize) -> bool {
-        match self.effects[index].kind().part {
-            Part::Friction(_) | Part::FrictionTable(_) => self.bristles().is_some(),
-            Part::CoulombFactor(_) | Part::FrictionFactor(_) | Part::Bristles(_) | Part::LoadFriction(_) => true,
-            _ => false,
-        }
-    }
-
     /// Rows of the columns of the effect at an index, in a row filter of a motion.
     pub(crate) fn rows(&self, index: usize, motion: &KnobMotion, row_filter: &RowFilter) -> Vec<Vec<f64>> {
-        if self.depends_on_others(index) {
-            return self.dependent_rows(index, motion, row_filter);
-        }
-        row_filter.leading_effect_rows(&self.effects[index], self.columns[index], motion)
+        row_filter.rows_of(self.widths()[index], self.columns_of(index, motion, row_filter))
     }
 
-    /// The same of an effect that depends on others, or on what was before.
-    fn dependent_rows(&self, index: usize, motion: &KnobMotion, row_filter: &RowFilter) -> Vec<Vec<f64>> {
+    /// Writes the columns of the effect at an index for a range of samples; samples that are masked may be zero.
+    pub(crate) fn columns_of<'a>(
+        &'a self,
+        index: usize,
+        motion: &'a KnobMotion,
+        row_filter: &'a RowFilter,
+    ) -> Box<dyn FnMut(Range<usize>, &mut [Vec<f64>]) + 'a> {
         let effect = &self.effects[index];
         let width = self.widths()[index];
         match (effect.kind().part, effect.kind().regressors) {
             (Part::Bristles(bristles), _) => {
                 let deflections = deflections(bristles(effect.values()), motion);
-                row_filter.rows_by_sample(width, |at, row| {
+                Box::new(row_filter.by_sample(width, move |at, row| {
                     row[0] = Bristles::bending_rad_s(deflections[at], motion.velocity_rad_s[at]);
-                })
+                }))
             }
             (Part::LoadFriction(_), _) => {
                 let model = self.model();
-                row_filter.rows_by_sample(width, |at, row| {
+                Box::new(row_filter.by_sample(width, move |at, row| {
                     let now = motion.at(at);
                     row[0] = now.velocity_sign() * model.load_mnm(&now).abs();
-                })
+                }))
             }
-            (Part::Friction(_) | Part::FrictionTable(_), Some(regressors)) => {
-                row_filter.rows_by_sample(width, self.friction_columns(effect, regressors, motion, false))
+            (Part::Friction(_) | Part::FrictionTable(_), Some(regressors)) if self.bristles().is_some() => {
+                Box::new(row_filter.by_sample(width, self.friction_columns(effect, regressors, motion, false)))
             }
             (part @ (Part::CoulombFactor(_) | Part::FrictionFactor(_)), Some(regressors)) => {
                 let friction_mnm = self.friction_mnm(motion, matches!(part, Part::CoulombFactor(_)));
-                row_filter.rows_by_sample(width, |at, row| {
+                Box::new(row_filter.by_sample(width, move |at, row| {
                     let (friction_mnm, factors) = (friction_mnm(at), filled(effect, regressors, &motion.at(at)));
                     row.iter_mut().zip(factors).for_each(|(slot, factor)| *slot = friction_mnm * factor);
-                })
+                }))
             }
-            _ => Vec::new(),
+            _ => Box::new(move |range, columns| {
+                row_filter::fill(effect, motion, |at| row_filter.mask[at] != 0.0, range, columns);
+            }),
         }
     }
 

@@ -17,6 +17,8 @@ use crate::regression::least_squares::LeastSquares;
 
 /// Starts of a separable hypothesis that are refined.
 const REFINED: usize = 2;
+/// Share of what is left above the floor that the best start must take off to be refined.
+const NOTHING: f64 = 0.005;
 /// Gauss–Newton steps for each.
 const ROUNDS: usize = 6;
 /// Share of the band in which starts of a coupling are compared: there stiffness shows and ringing does not.
@@ -70,6 +72,11 @@ pub(crate) fn separable<'a>(kind: &'static EffectKind, base: &Separable<'a>, hel
     let mut starts: Vec<(f64, Effect)> = starts.collect();
     starts.sort_by(|a, b| b.0.total_cmp(&a.0));
     starts.truncate(REFINED);
+    let gap = base.squares() - train.weight * train.floor_of_mnm(&base.structure).powi(2);
+    if starts.first().is_some_and(|(gain, _)| *gain < NOTHING * gap) {
+        let (_, start) = starts.swap_remove(0);
+        return Some(Judged::separable(&base.with(start, kind.columns_of_a_line()), heldout));
+    }
     let refined = starts.into_iter().map(|(_, effect)| {
         let mut fit = base.with(effect, width);
         fit.refine_newest(ROUNDS);

@@ -66,6 +66,11 @@ impl Judged {
         }
     }
 
+    /// The same judged by another held-out capture.
+    pub(crate) fn judged_by(&self, train: &Capture, heldout: &Capture) -> Self {
+        Self::of(self.structure.clone(), self.train_residual.clone(), train, heldout)
+    }
+
     /// The same as what another structure leaves, which it is equal to.
     pub(crate) fn with_structure(self, structure: Structure, train: &Capture, heldout: &Capture) -> Self {
         let cost = |structure: &Structure| cost(structure, train, heldout);

@@ -69,7 +69,39 @@ pub(crate) struct Found {
     pub(crate) characteristics: Vec<(Judged, Characteristic)>,
 }
 
+impl From<Judged> for Found {
+    /// Nothing beside a base model.
+    fn from(base: Judged) -> Self {
+        Self { chain: vec![base], ..Self::default() }
+    }
+}
+
 impl Found {
+    /// The same before the effect of a step was added.
+    fn before(&self, step: usize) -> Self {
+        Self {
+            chain: self.chain[..=step].to_vec(),
+            added: self.added[..step].to_vec(),
+            rivals: self.rivals[..step].to_vec(),
+            false_discovery_rates: self.false_discovery_rates[..step].to_vec(),
+            ..Self::default()
+        }
+    }
+
+    /// The same judged by another held-out capture.
+    pub(crate) fn judged_by(&self, train: &Capture, heldout: &Capture) -> Self {
+        let anew = |judged: &Judged| judged.judged_by(train, heldout);
+        let mut found = Self {
+            chain: self.chain.par_iter().map(anew).collect(),
+            rivals: self.rivals.iter().map(|rivals| rivals.par_iter().map(anew).collect()).collect(),
+            ..self.clone()
+        };
+        let steps = found.chain.windows(2).zip(&found.rivals);
+        found.false_discovery_rates =
+            steps.map(|(pair, rivals)| false_discovery_rate_of(&pair[1], rivals, &pair[0])).collect();
+        found
+    }
+
     /// The final model.
     pub(crate) fn last(&self) -> &Judged {
         self.characteristics.last().map_or(self.named(), |(judged, _)| judged)
@@ -159,18 +191,22 @@ impl Search<'_> {
     }
 
     /// Adds effect after effect as long as one is worth it.
-    pub(crate) fn explain(&self, first: Judged) -> Found {
-        let mut found = Found { chain: vec![first], ..Found::default() };
-        let bare = found.clone();
+    pub(crate) fn explain(&self, base: Judged) -> Found {
+        let mut found = Found::from(base);
         self.extend_and_revise(&mut found);
-        if let Some(other) = self.begun_again(&bare, &found) {
+        found
+    }
+
+    /// What else explains the captures, if it does so better: something found from another first effect, or without unequal detents.
+    pub(crate) fn reconsidered(&self, mut found: Found) -> Found {
+        if let Some(other) = self.begun_again(&found) {
             found = other;
         }
-        if !found.added.contains(&effects::unequal_detents::KIND.name) {
+        let Some(step) = found.added.iter().position(|added| *added == effects::unequal_detents::KIND.name) else {
             return found;
-        }
+        };
         // With two values for each detent they imitate a few other effects together.
-        let mut equal = bare;
+        let mut equal = found.before(step);
         Search { detents_are_equal: true, ..*self }.extend_and_revise(&mut equal);
         if equal.named().evidence > found.named().evidence {
             return equal;
@@ -188,17 +224,18 @@ impl Search<'_> {
 
     /// What is found from another first effect, where the best one led to a model that leaves much: it may have imitated two others. `None` if that
     /// is no better.
-    fn begun_again(&self, bare: &Found, found: &Found) -> Option<Found> {
-        let (base, last) = (&bare.chain[0], found.named());
+    fn begun_again(&self, found: &Found) -> Option<Found> {
+        let (base, last) = (&found.chain[0], found.named());
         let is_open = last.most_over_floor() > LEFT;
         if !is_open || found.added.len() < 2 || found.in_part || explains_most_of_the_gap(last, base) {
             return None;
         }
         let search = Search { detents_are_equal: true, ..*self };
+        let bare = found.before(0);
         let is_first = |judged: &&Judged| {
             judged.structure.effects.len() == base.structure.effects.len() + 1
                 && !judged.structure.is_coupled()
-                && self.is_worth_a_name(base, judged, bare)
+                && self.is_worth_a_name(base, judged, &bare)
         };
         let firsts: Vec<&Judged> = found.rivals[0].iter().filter(is_first).take(OTHER_STARTS).collect();
         let others = firsts.into_iter().map(|first| {
@@ -313,11 +350,8 @@ impl Search<'_> {
 
     pub(crate) fn add(&self, found: &mut Found, chosen: Judged, rivals: Vec<Judged>) {
         let effect = chosen.newest();
-        if let Some(before) = found.chain.last() {
-            let p_value = chosen.heldout_p_value(before);
-            let all: Vec<f64> = rivals.iter().map(|rival| rival.heldout_p_value(before)).chain([p_value]).collect();
-            found.false_discovery_rates.push(false_discovery_rate(p_value, &all));
-        }
+        let rate = found.chain.last().map(|before| false_discovery_rate_of(&chosen, &rivals, before));
+        found.false_discovery_rates.extend(rate);
         self.say(Progress::Added { effect, heldout_over_floor: chosen.heldout_over_floor() });
         found.added.push(effect);
         found.chain.push(chosen);
@@ -344,4 +378,11 @@ impl Search<'_> {
         });
         each.collect()
     }
+}
+
+/// Share of false discoveries among an effect that was chosen beside a model and its rivals, by what each predicts of the held-out capture.
+fn false_discovery_rate_of(chosen: &Judged, rivals: &[Judged], before: &Judged) -> f64 {
+    let p_value = chosen.heldout_p_value(before);
+    let all: Vec<f64> = rivals.iter().map(|rival| rival.heldout_p_value(before)).chain([p_value]).collect();
+    false_discovery_rate(p_value, &all)
 }

@@ -47,14 +47,18 @@ impl Search<'_> {
         for step in 0..found.added.len().saturating_sub(1) {
             let added = found.added[step];
             let Some(without) = self.without(&last, added) else { continue };
-            let mut tried = self.ranked(&without, self.try_replacements(&without));
-            let best = tried.iter().position(|rival| self.is_worth_a_name(&without, rival, found));
-            let Some(best) = best.filter(|best| {
-                let rival = &tried[*best];
-                rival.newest() != added && rival.evidence > last.evidence + TIE
-            }) else {
+            let tried = self.try_replacements(&without);
+            let is_better = |rival: &Judged| rival.evidence > last.evidence + TIE;
+            // Settling brings the effect itself so much, and a rival hardly more than twice that.
+            let own = tried.iter().find(|rival| rival.newest() == added).map_or(f64::NEG_INFINITY, |own| own.evidence);
+            let promising = own - (last.evidence - own).max(TIE);
+            if !tried.iter().any(|rival| is_better(rival) || rival.newest() != added && rival.evidence > promising) {
                 continue;
-            };
+            }
+            let mut tried = self.ranked(&without, tried);
+            // The effect itself may have another line beside those that were added after it.
+            let best = tried.iter().position(|rival| self.is_worth_a_name(&without, rival, found));
+            let Some(best) = best.filter(|best| is_better(&tried[*best])) else { continue };
             let chosen = tried.remove(best);
             self.remove(found, step, without);
             self.add(found, chosen, tried);
