@@ -73,13 +73,13 @@ pub fn diagnose(
 ) -> Result<Diagnosis, DiagnosisError> {
     let mut captures = prepare(train, heldout, options)?;
     let [train_capture, given] = &captures;
-    let base = Search { train: train_capture, heldout: given, options, detents_are_equal: false }.base(train)?;
+    let base = Search::new([train_capture, given], options).base(train)?;
     let undetermined = Undetermined::of(&base.structure, train_capture, given);
     if let Some(undetermined) = &undetermined {
         captures[1].undetermined.clone_from(&undetermined.rows);
     }
     let [train_capture, given] = &captures;
-    let search = Search { train: train_capture, heldout: given, options, detents_are_equal: false };
+    let search = Search::new([train_capture, given], options);
     let base = if undetermined.is_some() { search.settled(base.structure) } else { base };
     // Detents that differ from the model's seem to be elsewhere.
     let are_unequal = search.detents_are_unequal(&base);

@@ -75,13 +75,9 @@ impl Structure {
 
     /// The columns of the effect at an index at every sample that is compared, unfiltered.
     pub(crate) fn columns_at_samples(&self, index: usize, capture: &Capture) -> Vec<Vec<f64>> {
-        let effect = &self.effects[index];
-        let Some(regressors) = effect.kind().regressors else { return Vec::new() };
-        let mut columns = vec![vec![0.0; capture.motion.len()]; self.columns[index]];
-        for (at, motion) in capture.motions().iter().enumerate().filter(|(at, _)| capture.row_filter.mask[*at] != 0.0) {
-            let row = filled(effect, regressors, motion);
-            columns.iter_mut().zip(row).for_each(|(column, value)| column[at] = value);
-        }
+        let samples = capture.motion.len();
+        let mut columns = vec![vec![0.0; samples]; self.columns[index]];
+        self.columns_of(index, &capture.motion, &capture.row_filter)(0..samples, &mut columns);
         columns
     }
 

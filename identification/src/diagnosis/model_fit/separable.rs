@@ -61,6 +61,12 @@ impl<'a> Separable<'a> {
         dot(&self.residual, &self.residual)
     }
 
+    /// The same without what the sensors' noise leaves.
+    pub(crate) fn squares_above_floor(&self) -> f64 {
+        let floor_mnm = self.capture.floor_of_mnm(&self.structure);
+        self.squares() - self.capture.weight * floor_mnm * floor_mnm
+    }
+
     /// Sum of squares if the torque channel were late by so much, s.
     pub(crate) fn squares_if_late(&self, delay_s: f64) -> f64 {
         let (columns, target) = (self.columns(), self.capture.target(delay_s));

@@ -41,17 +41,18 @@ fn columns_of(lobes: &Lobes, capture: &Capture, more: impl Fn(usize) -> f64 + Sy
     })
 }
 
-/// The structure with unequal detents in the place of its equal ones, fitted to the capture; `None` if it has none.
+/// The structure with unequal detents in the place of its equal ones, fitted to the capture, and the sum of squares that it leaves; `None` if it
+/// has none.
 ///
 /// A detent is as high as it is deep; of those from rest to rest and those from wall to wall the ones that leave less.
-pub(crate) fn structure(base: &Structure, capture: &Capture) -> Option<Structure> {
+pub(crate) fn structure(base: &Structure, capture: &Capture) -> Option<(Structure, f64)> {
     let index = base.position(effects::detent::KIND.name)?;
     let scene = capture.scene_of(base);
     let fitted = [Unit::BetweenRests, Unit::BetweenWalls].into_iter().filter_map(|unit| {
         let equal = Lobes::equal(unit, &base.effects[index], scene.lowest_rad, scene.highest_rad)?;
         fitted(equal, base, index, capture)
     });
-    fitted.min_by(|one, other| one.1.total_cmp(&other.1)).map(|(structure, _)| structure)
+    fitted.min_by(|one, other| one.1.total_cmp(&other.1))
 }
 
 /// The fit of a structure without coupling from where it stands, unequal detents included.

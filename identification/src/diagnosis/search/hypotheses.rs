@@ -17,8 +17,6 @@ use crate::regression::least_squares::LeastSquares;
 
 /// Starts of a separable hypothesis that are refined.
 const REFINED: usize = 2;
-/// Share of what is left above the floor that the best start must take off to be refined.
-const NOTHING: f64 = 0.005;
 /// Gauss–Newton steps for each.
 const ROUNDS: usize = 6;
 /// Share of the band in which starts of a coupling are compared: there stiffness shows and ringing does not.
@@ -54,7 +52,14 @@ pub(crate) fn candidates(structure: &Structure) -> Vec<&'static EffectKind> {
 }
 
 /// The best fit of a structure without coupling and an effect of `kind` more; `None` if this capture could not show it.
-pub(crate) fn separable<'a>(kind: &'static EffectKind, base: &Separable<'a>, heldout: &Capture) -> Option<Judged> {
+///
+/// It is refined if its start takes off at least the `promising` share of what is left above the floor.
+pub(crate) fn separable<'a>(
+    kind: &'static EffectKind,
+    base: &Separable<'a>,
+    heldout: &Capture,
+    promising: f64,
+) -> Option<Judged> {
     let train = base.capture;
     let hypothesis = kind.hypothesis?;
     let grid = grid(kind, &hypothesis, &train.scene_of(&base.structure))?;
@@ -72,8 +77,7 @@ pub(crate) fn separable<'a>(kind: &'static EffectKind, base: &Separable<'a>, hel
     let mut starts: Vec<(f64, Effect)> = starts.collect();
     starts.sort_by(|a, b| b.0.total_cmp(&a.0));
     starts.truncate(REFINED);
-    let gap = base.squares() - train.weight * train.floor_of_mnm(&base.structure).powi(2);
-    if starts.first().is_some_and(|(gain, _)| *gain < NOTHING * gap) {
+    if starts.first().is_some_and(|(gain, _)| *gain < promising * base.squares_above_floor()) {
         let (_, start) = starts.swap_remove(0);
         return Some(Judged::separable(&base.with(start, kind.columns_of_a_line()), heldout));
     }

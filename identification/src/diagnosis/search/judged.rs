@@ -107,6 +107,13 @@ impl Judged {
         self.train_rms_mnm / self.train_floor_mnm
     }
 
+    /// Share of what this leaves of the training capture above the floor that another structure explains.
+    pub(crate) fn explained_by(&self, other: &Self) -> f64 {
+        let square = |rms_mnm: f64| rms_mnm * rms_mnm;
+        (square(self.train_rms_mnm) - square(other.train_rms_mnm))
+            / (square(self.train_rms_mnm) - square(self.train_floor_mnm))
+    }
+
     /// The larger of both, in floors.
     pub(crate) fn most_over_floor(&self) -> f64 {
         self.train_over_floor().max(self.heldout_over_floor())

@@ -48,7 +48,12 @@ pub(crate) struct Search<'a> {
     pub(crate) options: &'a DiagnoseOptions<'a>,
     /// Neither unequal detents nor couplings, which cost most, are tried.
     pub(crate) detents_are_equal: bool,
+    /// Share of what is left above the floor that an effect's best start must take off to be refined.
+    pub(crate) promising: f64,
 }
+
+/// The same where nothing else is asked: less is never worth a name, however much refining it brings.
+const PROMISING_SHARE: f64 = 0.005;
 
 /// Everything that was found on the way.
 #[derive(Clone, Default)]
@@ -122,7 +127,11 @@ impl Found {
     }
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    pub(crate) fn new([train, heldout]: [&'a Capture; 2], options: &'a DiagnoseOptions<'a>) -> Self {
+        Self { train, heldout, options, detents_are_equal: false, promising: PROMISING_SHARE }
+    }
+
     /// Inertia, friction and detents, or the model given, fitted to the training capture.
     pub(crate) fn base(&self, samples: &Samples<'_>) -> Result<Judged, DiagnosisError> {
         let effects: Vec<Effect> = match &self.options.model {

@@ -12,6 +12,9 @@ use crate::diagnosis::search::{Found, Search};
 /// offset.
 static CONTAINS: [(&EffectKind, &EffectKind); 1] = [(&effects::return_spring::KIND, &effects::torque_offset::KIND)];
 
+/// Share of what an effect explains that the best start of one must explain that could take its place.
+const RIVALS: f64 = 0.3;
+
 impl Search<'_> {
     /// Puts what an effect contains in its place where that fits or predicts no worse.
     pub(crate) fn simplify(&self, found: &mut Found) {
@@ -47,7 +50,10 @@ impl Search<'_> {
         for step in 0..found.added.len().saturating_sub(1) {
             let added = found.added[step];
             let Some(without) = self.without(&last, added) else { continue };
-            let tried = self.try_replacements(&without);
+            // What takes off much less than the effect itself needs no refining.
+            let share = without.explained_by(&last);
+            let search = Search { promising: (RIVALS * share).max(self.promising), ..*self };
+            let tried = search.try_replacements(&without);
             let is_better = |rival: &Judged| rival.evidence > last.evidence + TIE;
             // Settling brings the effect itself so much, and a rival hardly more than twice that.
             let own = tried.iter().find(|rival| rival.newest() == added).map_or(f64::NEG_INFINITY, |own| own.evidence);

@@ -101,7 +101,7 @@ impl Search<'_> {
         let done = AtomicUsize::new(0);
         let one_more = || {
             let fits = kinds.par_iter().filter_map(|kind| {
-                let judged = hypotheses::separable(kind, &base, self.heldout);
+                let judged = hypotheses::separable(kind, &base, self.heldout, self.promising);
                 let done = done.fetch_add(1, Ordering::Relaxed) + 1;
                 self.say(Progress::Tried { effect: kind.name, done, of });
                 judged
@@ -244,25 +244,29 @@ impl Search<'_> {
 
     /// Whether unequal detents explain most of the training capture's gap beside equal ones.
     pub(crate) fn detents_are_unequal(&self, base: &Judged) -> bool {
-        let floor_mnm = base.train_floor_mnm;
-        let gap = |judged: &Judged| judged.train_rms_mnm.powi(2) - floor_mnm.powi(2);
         base.train_over_floor() > LEFT
-            && self.unequal_detents(base).is_some_and(|unequal| gap(&unequal) < 0.5 * gap(base))
+            && self.unequal_detents(base).is_some_and(|unequal| base.explained_by(&unequal) > 0.5)
     }
 
-    /// The fit with unequal detents in the place of equal ones; `None` where a torque that varies slowly along the angle
-    /// explains as much.
+    /// The fit with unequal detents in the place of equal ones; `None` where they explain nothing, or a torque that varies slowly along the
+    /// angle as much.
     fn unequal_detents(&self, current: &Judged) -> Option<Judged> {
-        let unequal = self.settled(unequal::structure(&current.structure, self.train)?);
-        let bent = self.bent(current)?;
         let evidence = |squares: f64, freedom: usize| {
             let weight = self.train.weight;
             let cost = 0.5 * freedom as f64 * weight.ln();
             -0.5 * weight * squares.max(f64::MIN_POSITIVE).ln() - cost
         };
         let squares = |judged: &Judged| dot(&judged.train_residual, &judged.train_residual);
-        let freedom = current.structure.freedom() + BEND;
-        (evidence(squares(&unequal), unequal.structure.freedom()) > evidence(squares(&bent), freedom))
+        let freedom = current.structure.freedom();
+        let (start, left) = unequal::structure(&current.structure, self.train)?;
+        let gap = squares(current) - self.train.weight * current.train_floor_mnm.powi(2);
+        let is_promising = squares(current) - left > self.promising * gap;
+        if !is_promising || evidence(left, start.freedom()) < evidence(squares(current), freedom) {
+            return None;
+        }
+        let unequal = self.settled(start);
+        let bent = self.bent(current)?;
+        (evidence(squares(&unequal), unequal.structure.freedom()) > evidence(squares(&bent), freedom + BEND))
             .then_some(unequal)
     }
 }
