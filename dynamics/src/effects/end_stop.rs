@@ -1,5 +1,7 @@
 //! A stiff contact beyond an angle.
 
+use std::ops::Range;
+
 use crate::{
     Coordinate, Effect, EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Role, Scene, Search,
 };
@@ -97,6 +99,12 @@ pub fn one_sided(stops: &Effect, scene: &Scene) -> [Effect; 2] {
         other.values_mut()[2 + side] = 0.0;
         other
     })
+}
+
+/// The angles between the stops, rad; empty of another effect.
+#[must_use]
+pub fn free_rad(effect: &Effect) -> Range<f64> {
+    if std::ptr::eq(effect.kind(), &KIND) { effect.values()[0]..effect.values()[1] } else { 0.0..0.0 }
 }
 
 /// On how many sides there is no stop, since it would have no stiffness; none of another effect.

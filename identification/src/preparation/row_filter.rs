@@ -264,10 +264,10 @@ pub(crate) fn fill(
         }
         _ => {}
     }
-    let idle_rad = if name == effects::end_stop::KIND.name { effect.values()[0]..effect.values()[1] } else { 0.0..0.0 };
+    let free_rad = effects::end_stop::free_rad(effect);
     let mut row = vec![0.0; columns.len()];
     for (place, index) in range.enumerate() {
-        if !takes_part(index) || idle_rad.contains(&motion.angle_rad[index]) {
+        if !takes_part(index) || free_rad.contains(&motion.angle_rad[index]) {
             columns.iter_mut().for_each(|column| column[place] = 0.0);
             continue;
         }
