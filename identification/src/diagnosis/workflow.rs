@@ -115,7 +115,8 @@ pub fn diagnose(
         }
         let verdict = search.conclude(&mut found);
         let mut diagnosis = search.report(&found, verdict, heldout.is_none());
-        diagnosis.notes.extend(comparison.zero.map(|zero| zero.note()));
+        let again = |zero| EncoderZero::again(Some(zero), &found.named().structure, given).unwrap_or(zero);
+        diagnosis.notes.extend(comparison.zero.map(|zero| again(zero).note()));
         diagnosis.notes.extend(comparison.within(train_capture, given).map(|_| BEYOND.to_owned()));
         diagnosis.notes.extend(undetermined.as_ref().map(Undetermined::note));
         return Ok(diagnosis);

@@ -105,7 +105,8 @@ impl RowFilter {
             fill(range.clone(), &mut columns);
             let first = start * self.step - range.start;
             // What acts in part of the range only is zero elsewhere.
-            let acting = rows.iter_mut().zip(&mut columns).filter(|(_, column)| column.iter().any(|value| *value != 0.0));
+            let acting =
+                rows.iter_mut().zip(&mut columns).filter(|(_, column)| column.iter().any(|value| *value != 0.0));
             for (rows, column) in acting {
                 vector::multiply_by(column, &self.mask[range.clone()]);
                 self.fir.decimate_part(column, first, self.step, &mut rows[start..end]);

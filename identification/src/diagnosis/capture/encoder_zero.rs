@@ -61,7 +61,7 @@ impl EncoderZero {
         let fit = Separable::new(structure.clone(), train);
         let more =
             hypotheses::candidates(structure).into_iter().filter(|kind| kind.depends_on.contains(&Coordinate::Angle));
-        let with = more.filter_map(|kind| Some((kind, hypotheses::separable(kind, &fit, heldout, 0.0)?)));
+        let with = more.filter_map(|kind| Some((kind, hypotheses::separable::fitted(kind, &fit, heldout, 0.0)?)));
         let best = with.min_by(|(_, a), (_, b)| a.train_rms_mnm.total_cmp(&b.train_rms_mnm));
         let shows = best.filter(|(kind, best)| {
             is_of_angle(kind) && best.train_rms_mnm.powi(2) < SHOWS * base.train_rms_mnm.powi(2)

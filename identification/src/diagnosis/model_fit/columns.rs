@@ -9,19 +9,22 @@ use crate::diagnosis::model_fit::structure::Structure;
 use crate::preparation::motion::KnobMotion;
 use crate::preparation::row_filter::{self, RowFilter};
 
+/// Writes columns for a range of samples.
+pub(crate) type Columns<'a> = Box<dyn FnMut(Range<usize>, &mut [Vec<f64>]) + 'a>;
+
 impl Structure {
     /// Rows of the columns of the effect at an index, in a row filter of a motion.
     pub(crate) fn rows(&self, index: usize, motion: &KnobMotion, row_filter: &RowFilter) -> Vec<Vec<f64>> {
         row_filter.rows_of(self.widths()[index], self.columns_of(index, motion, row_filter))
     }
 
-    /// Writes the columns of the effect at an index for a range of samples; samples that are masked may be zero.
+    /// The columns of the effect at an index, unfiltered; at samples that are masked they may be zero.
     pub(crate) fn columns_of<'a>(
         &'a self,
         index: usize,
         motion: &'a KnobMotion,
         row_filter: &'a RowFilter,
-    ) -> Box<dyn FnMut(Range<usize>, &mut [Vec<f64>]) + 'a> {
+    ) -> Columns<'a> {
         let effect = &self.effects[index];
         let width = self.widths()[index];
         match (effect.kind().part, effect.kind().regressors) {

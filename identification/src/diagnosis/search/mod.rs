@@ -52,9 +52,6 @@ pub(crate) struct Search<'a> {
     pub(crate) promising: f64,
 }
 
-/// The same where nothing else is asked: less is never worth a name, however much refining it brings.
-const PROMISING_SHARE: f64 = 0.005;
-
 /// Everything that was found on the way.
 #[derive(Clone, Default)]
 pub(crate) struct Found {
@@ -129,7 +126,7 @@ impl Found {
 
 impl<'a> Search<'a> {
     pub(crate) fn new([train, heldout]: [&'a Capture; 2], options: &'a DiagnoseOptions<'a>) -> Self {
-        Self { train, heldout, options, detents_are_equal: false, promising: PROMISING_SHARE }
+        Self { train, heldout, options, detents_are_equal: false, promising: 0.0 }
     }
 
     /// Inertia, friction and detents, or the model given, fitted to the training capture.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::search::acceptance::{EVIDENCE, LEFT, explains_enough, worthwhile};
-use crate::diagnosis::search::hypotheses::{self, Effort};
+use crate::diagnosis::search::hypotheses::coupled::{self, Effort};
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::{Found, MOST_EFFECTS, Search};
 
@@ -83,7 +83,7 @@ impl Search<'_> {
         let pairs: Vec<(&Judged, &'static EffectKind)> =
             firsts.iter().flat_map(|first| couplings.iter().map(|kind| (*first, *kind))).collect();
         let fitted = pairs.par_iter().filter_map(|(first, kind)| {
-            let judged = hypotheses::coupled(kind, &first.structure, [self.train, self.heldout], Effort::Short)?;
+            let judged = coupled::fitted(kind, &first.structure, [self.train, self.heldout], Effort::Short)?;
             Some(((*first).clone(), judged))
         });
         fitted.collect()

@@ -13,7 +13,7 @@ use crate::diagnosis::search::{Found, Search};
 static CONTAINS: [(&EffectKind, &EffectKind); 1] = [(&effects::return_spring::KIND, &effects::torque_offset::KIND)];
 
 /// Share of what an effect explains that the best start of one must explain that could take its place.
-const RIVALS: f64 = 0.3;
+const RIVALS: f64 = 0.1;
 
 impl Search<'_> {
     /// Puts what an effect contains in its place where that fits or predicts no worse.
@@ -52,7 +52,7 @@ impl Search<'_> {
             let Some(without) = self.without(&last, added) else { continue };
             // What takes off much less than the effect itself needs no refining.
             let share = without.explained_by(&last);
-            let search = Search { promising: (RIVALS * share).max(self.promising), ..*self };
+            let search = Search { promising: RIVALS * share, ..*self };
             let tried = search.try_replacements(&without);
             let is_better = |rival: &Judged| rival.evidence > last.evidence + TIE;
             // Settling brings the effect itself so much, and a rival hardly more than twice that.

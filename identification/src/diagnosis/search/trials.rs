@@ -14,7 +14,8 @@ use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::model_fit::unequal;
 use crate::diagnosis::search::acceptance::{LEFT, explains_enough, explains_most_of_the_gap};
-use crate::diagnosis::search::hypotheses::{self, Effort};
+use crate::diagnosis::search::hypotheses::coupled::{self, CLOSED, Effort, OPEN};
+use crate::diagnosis::search::hypotheses::{candidates, separable};
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::{Found, Search};
 use crate::diagnosis::workflow::Progress;
@@ -60,7 +61,7 @@ impl Search<'_> {
     pub(crate) fn try_values(&self, current: &Judged) -> Vec<Judged> {
         let mut kinds = self.candidates(&current.structure);
         if current.structure.is_simulated() {
-            let mut tried = hypotheses::with_coupling(&kinds, &current.structure, self.train, self.heldout);
+            let mut tried = coupled::with_one_more(&kinds, &current.structure, self.train, self.heldout);
             if !self.detents_are_equal {
                 // A simulation does not fit detents one by one; behind a shaft they are.
                 let on_shaft = Structure { shaft_is_simulated: false, ..current.structure.clone() };
@@ -101,7 +102,7 @@ impl Search<'_> {
         let done = AtomicUsize::new(0);
         let one_more = || {
             let fits = kinds.par_iter().filter_map(|kind| {
-                let judged = hypotheses::separable(kind, &base, self.heldout, self.promising);
+                let judged = separable::fitted(kind, &base, self.heldout, self.promising);
                 let done = done.fetch_add(1, Ordering::Relaxed) + 1;
                 self.say(Progress::Tried { effect: kind.name, done, of });
                 judged
@@ -119,8 +120,8 @@ impl Search<'_> {
     /// Tries couplings, which cost most, where nothing else explains what is left.
     fn try_couplings(&self, current: &Judged, found: &Found, tried: &mut Vec<Judged>) {
         // So close to the floor, its own uncertainty exceeds what backlash leaves: there couplings are tried whatever else may explain it.
-        let is_faint = current.most_over_floor() < hypotheses::OPEN;
-        let is_closed = |judged: &Judged| judged.most_over_floor() <= hypotheses::CLOSED;
+        let is_faint = current.most_over_floor() < OPEN;
+        let is_closed = |judged: &Judged| judged.most_over_floor() <= CLOSED;
         let qualifies = |judged: &Judged| self.disqualified(judged).is_none();
         let explains_all = |judged: &Judged| is_closed(judged) && qualifies(judged);
         let explains_most = |judged: &Judged| {
@@ -167,12 +168,12 @@ impl Search<'_> {
     }
 
     fn coupled(&self, kind: &'static EffectKind, current: &Judged, effort: Effort) -> Option<Judged> {
-        hypotheses::coupled(kind, &current.structure, [self.train, self.heldout], effort)
+        coupled::fitted(kind, &current.structure, [self.train, self.heldout], effort)
     }
 
     /// The effects that could be added to a structure; on a map those of the angle.
     pub(crate) fn candidates(&self, structure: &Structure) -> Vec<&'static EffectKind> {
-        let mut kinds = hypotheses::candidates(structure);
+        let mut kinds = candidates(structure);
         let is_of_angle = |kind: &&EffectKind| {
             !matches!(kind.part, Part::Coupling(_) | Part::Bristles(_) | Part::ReadingDelay(_))
                 && kind.depends_on.iter().all(|coordinate| *coordinate == Coordinate::Angle)

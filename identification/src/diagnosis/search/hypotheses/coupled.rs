@@ -1,0 +1,196 @@
+//! The best fit of a coupling, whose inner body is simulated, and of an effect more beside one.
+
+use dynamics::{Effect, EffectKind, Part, Scene};
+use rayon::prelude::*;
+
+use super::coarse::Coarse;
+use super::{effect_at, grid};
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::model_fit::nonlinear::Nonlinear;
+use crate::diagnosis::model_fit::sticking;
+use crate::diagnosis::model_fit::structure::Structure;
+use crate::diagnosis::model_fit::twist;
+use crate::diagnosis::search::acceptance::WORTHWHILE;
+use crate::diagnosis::search::judged::Judged;
+
+/// Share of the band in which starts of a coupling are compared: there stiffness shows and ringing does not.
+const SLOW: f64 = 0.25;
+/// Starts of a coupling that are refined: as many of the best on slow motion and of the best on the whole band.
+const STARTED: usize = 3;
+/// Starts of a coupling that are refined in a thorough search.
+const STARTED_THOROUGHLY: usize = 20;
+/// Share of the squares of slow motion that a coupling must not leave to be looked at in the whole band.
+const HOPELESS: f64 = 0.95;
+/// A gap this close to the floor is closed, in floors.
+pub(crate) const CLOSED: f64 = 1.12;
+/// A fit that leaves more than this is clearly louder than noise, and may lack a stick limit, in floors.
+pub(crate) const OPEN: f64 = 1.6;
+/// Share by which values and sums of squares may differ of fits that are the same.
+const ALIKE: f64 = 0.01;
+/// A fit that leaves so many times the squares of the best one after a few steps is given up.
+const LOSING: f64 = 2.0;
+/// Effects that are tried in full beside a coupling.
+const PROMISING: usize = 3;
+
+/// How far the fit of a coupling goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Effort {
+    /// Values only.
+    Short,
+    /// What the inner body bears at rest is looked for too, if much is left.
+    Full,
+    /// The same from starts that lie close together, for what is hardly louder than noise.
+    Fine,
+    /// The same from more of the starts.
+    Thorough,
+}
+
+/// The best fit of a structure and a coupling of `kind` to the first capture, judged by both.
+pub(crate) fn fitted<'a>(
+    kind: &'static EffectKind,
+    base: &Structure,
+    [train, heldout]: [&'a Capture; 2],
+    effort: Effort,
+) -> Option<Judged> {
+    let hypothesis = kind.hypothesis?;
+    let scene = Scene { is_faint: effort == Effort::Fine, ..train.scene_of(base) };
+    let grid = grid(kind, &hypothesis, &scene)?;
+    let effects: Vec<Effect> = grid.iter().map(|point| effect_at(kind, &hypothesis, point)).collect();
+    // The skew that the structure needed without the coupling tells nothing.
+    let unskewed = Structure { skew_s: 0.0, shaft_is_simulated: false, ..base.clone() };
+    if twist::is_shaft(kind) {
+        let behind = twist::fitted(&effects, &hypothesis, &unskewed, train)?;
+        // Of a higher resonance the band has the first rise only: next to noise, a sensor's own resonance makes as much.
+        if scene.is_faint && !twist::resonates_in_band(&behind, train) {
+            return None;
+        }
+        let simulated = Structure { shaft_is_simulated: true, ..behind.clone() };
+        let refined = |structure| {
+            let mut fit = Nonlinear::new(structure, train);
+            fit.refine();
+            Judged::nonlinear(&fit, train, heldout)
+        };
+        let behind = refined(behind);
+        if behind.most_over_floor() < CLOSED {
+            return Some(behind);
+        }
+        return [behind, refined(simulated)].into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
+    }
+    let structures: Vec<Structure> = effects.iter().map(|effect| unskewed.with(*effect, 0)).collect();
+    let fits = Nonlinear::all(&structures, train).into_iter();
+    let mut starts: Vec<(f64, f64, Nonlinear<'_>)> =
+        fits.map(|fit| (fit.slow_squares(SLOW), fit.squares(), fit)).collect();
+    // The best starts on slow motion, and the best on the whole band among the others.
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let first = starts.len().min(STARTED);
+    starts[first..].sort_by(|a, b| a.1.total_cmp(&b.1));
+    starts.truncate(if effort == Effort::Thorough { STARTED_THOROUGHLY } else { 2 * STARTED });
+    let present = Nonlinear::new(unskewed, train);
+    let is_coarse = present.leaves_much();
+    let present = present.slow_squares(SLOW);
+    let refined = starts.par_iter().filter_map(|(_, _, start)| {
+        let mut fit = start.clone();
+        fit.refine_slow(is_coarse);
+        let left = fit.slow_squares(SLOW);
+        (left < HOPELESS * present).then_some((left, fit))
+    });
+    let mut slow: Vec<(f64, Nonlinear<'_>)> = refined.collect();
+    slow.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // What other starts led to as well need not be refined twice.
+    slow.dedup_by(|later, sooner| later.0 < (1.0 + ALIKE) * sooner.0 && later.1.is_like(&sooner.1, ALIKE));
+    let mut slow = slow.into_iter().map(|(_, fit)| fit);
+    // Most starts show soon that they lead nowhere.
+    let begun = |fit: Option<Nonlinear<'a>>| {
+        fit.map(|mut fit| {
+            fit.refine_shortly();
+            fit
+        })
+    };
+    // Several valleys may be as deep where the first capture hardly shows the contact: both captures choose, among those that do not end on
+    // a bound.
+    let mut best: Option<((bool, f64), Judged, Nonlinear<'_>)> = None;
+    let mut least = f64::INFINITY;
+    let mut next = begun(slow.next());
+    while let Some(mut fit) = next {
+        let after = slow.next();
+        if fit.squares() > LOSING * least {
+            next = begun(after);
+            continue;
+        }
+        ((), next) = rayon::join(|| fit.refine(), || begun(after));
+        least = least.min(fit.squares());
+        let judged = Judged::nonlinear(&fit, train, heldout);
+        let is_closed = judged.train_over_floor() < CLOSED;
+        let rank = (Nonlinear::on_bound(&fit.structure, train).is_none(), judged.evidence);
+        if judged.is_finite() && best.as_ref().is_none_or(|(best, ..)| rank > *best) {
+            best = Some((rank, judged, fit));
+        }
+        if is_closed {
+            break;
+        }
+    }
+    let (_, judged, fit) = best?;
+    if effort == Effort::Short || judged.train_over_floor() < OPEN {
+        return Some(judged);
+    }
+    let stuck = sticking::fitted(&fit, train).map(|stuck| Judged::nonlinear(&stuck, train, heldout));
+    stuck.into_iter().chain([judged]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+}
+
+/// Fits of a structure with a coupling and one of the `kinds` more: those that promise most beside the present values'
+/// own derivatives.
+pub(crate) fn with_one_more(
+    kinds: &[&'static EffectKind],
+    base: &Structure,
+    train: &Capture,
+    heldout: &Capture,
+) -> Vec<Judged> {
+    let present = Nonlinear::new(base.clone(), train);
+    let tangents = present.tangents(1.0);
+    let coarse = Coarse::new(train, base, &tangents.iter().map(Vec::as_slice).collect::<Vec<_>>(), &present.residual);
+    let scene = train.scene_of(base);
+    let mut promising: Vec<(f64, Structure)> = Vec::new();
+    for kind in kinds {
+        let Some(hypothesis) = kind.hypothesis else { continue };
+        let width = hypothesis.nested.get(2).copied().unwrap_or(kind.columns_of_a_line());
+        if kind.regressors.is_none() {
+            // Friction of the load, or a delay: what it would do shows in the simulation alone.
+            let structure = base.with(Effect::new(kind, &[]), width);
+            let columns = Nonlinear::new(structure.clone(), train).tangents_of(base.effects.len());
+            let nonnegative = [matches!(kind.part, Part::LoadFriction(_))];
+            promising.push((coarse.gain_of(columns, &nonnegative).0, structure));
+            continue;
+        }
+        let starts = grid(kind, &hypothesis, &scene).unwrap_or_default();
+        let best = starts
+            .par_iter()
+            .map(|point| {
+                let mut effect = effect_at(kind, &hypothesis, point);
+                (coarse.gain_into(&mut effect), effect)
+            })
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        promising.extend(best.map(|(gain, effect)| (gain, base.with(effect, width))));
+    }
+    promising.sort_by(|a, b| b.0.total_cmp(&a.0));
+    promising.truncate(PROMISING);
+    let fits = promising.into_par_iter().map(|(_, structure)| {
+        let mut fit = Nonlinear::new(structure, train);
+        fit.refine();
+        let judged = Judged::nonlinear(&fit, train, heldout);
+        // Where a body breaks away, a torque more changes everything: then the coupling is looked for anew beside it.
+        let gains = base.sticks() && fit.squares() < (1.0 - WORTHWHILE) * present.squares();
+        let anew = if gains { coupled_anew(&judged.structure, [train, heldout]) } else { None };
+        anew.into_iter().chain([judged]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+    });
+    fits.flatten().collect()
+}
+
+/// The best fit of a coupled structure that was found from the starts of its coupling, the last effect staying last.
+fn coupled_anew(structure: &Structure, captures: [&Capture; 2]) -> Option<Judged> {
+    let of_coupling = |effect: &Effect| matches!(effect.kind().part, Part::Coupling(_) | Part::Stick(_));
+    let kind = structure.effects.iter().find(|effect| matches!(effect.kind().part, Part::Coupling(_)))?.kind();
+    let newest = structure.effects.last()?.kind();
+    let indices = (0..structure.effects.len()).rev().filter(|index| of_coupling(&structure.effects[*index]));
+    let bare = indices.fold(structure.clone(), |bare, index| bare.without(index));
+    fitted(kind, &bare, captures, Effort::Full)?.with_newest(newest.name)
+}
