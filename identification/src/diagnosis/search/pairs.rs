@@ -49,7 +49,7 @@ impl Search<'_> {
         let place = seconds.iter().position(|second| {
             self.is_worth_a_name(first, second, found)
                 && self
-                    .without(second, first.newest())
+                    .without(second, first.newest(), found)
                     .is_some_and(|without| worthwhile(&without, second, &found.chain[0], self.heldout))
         })?;
         let second = seconds.remove(place);

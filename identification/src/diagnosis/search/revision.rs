@@ -21,7 +21,7 @@ impl Search<'_> {
         for (larger, contained) in CONTAINS {
             let Some(step) = found.added.iter().position(|added| *added == larger.name) else { continue };
             let Some(with_larger) = found.named().clone().with_newest(larger.name) else { continue };
-            let Some(without) = self.without(&with_larger, larger.name) else { continue };
+            let Some(without) = self.without(&with_larger, larger.name, found) else { continue };
             if without.structure.position(contained.name).is_some() {
                 continue;
             }
@@ -41,7 +41,8 @@ impl Search<'_> {
         }
     }
 
-    /// Puts another effect in the place of one that explains less beside those that were added after it; whether there was one.
+    /// Puts another effect in the place of one that explains less beside those that were added after it, or none in the place of one that explains
+    /// nothing beside them; whether there was one.
     ///
     /// The first effect is the best one beside a model that lacks all others, which need not be one of those that are missing.
     pub(crate) fn replace_one(&self, found: &mut Found) -> bool {
@@ -49,7 +50,11 @@ impl Search<'_> {
         // The newest one has just been compared with all others.
         for step in 0..found.added.len().saturating_sub(1) {
             let added = found.added[step];
-            let Some(without) = self.without(&last, added) else { continue };
+            let Some(without) = self.without(&last, added, found) else { continue };
+            if without.evidence > last.evidence {
+                self.remove(found, step, without);
+                return true;
+            }
             // What takes off much less than the effect itself needs no refining.
             let share = without.explained_by(&last);
             let search = Search { promising: RIVALS * share, ..*self };
@@ -102,7 +107,7 @@ impl Search<'_> {
         let mut step = 0;
         while step < found.added.len() && found.added.len() > 1 {
             let Some(last) = found.chain.last() else { return };
-            let Some(without) = self.without(last, found.added[step]) else { return };
+            let Some(without) = self.without(last, found.added[step], found) else { return };
             let is_discovery = takes_its_part(&without, last) && last.heldout_p_value(&without) < FALSE_DISCOVERIES;
             let is_needed = worthwhile(&without, last, &found.chain[0], self.heldout) || found.in_part && is_discovery;
             let predicts = without.is_finite() && without.heldout_rms_mnm < found.chain[0].heldout_rms_mnm;
@@ -115,9 +120,15 @@ impl Search<'_> {
         }
     }
 
-    /// A model without one of its effects, the others fitted anew.
-    pub(crate) fn without(&self, judged: &Judged, effect: &str) -> Option<Judged> {
-        Some(self.settled(judged.structure.without(judged.structure.position(effect)?)))
+    /// A model without one of the effects that were added, the others fitted anew; equal detents are again where unequal ones were.
+    pub(crate) fn without(&self, judged: &Judged, effect: &str, found: &Found) -> Option<Judged> {
+        let mut structure = judged.structure.without(judged.structure.position(effect)?);
+        if effect == effects::unequal_detents::KIND.name {
+            let base = &found.chain[0].structure;
+            let index = base.position(effects::detent::KIND.name)?;
+            structure = structure.with_at(index, base.effects[index], base.columns[index]);
+        }
+        Some(self.settled(structure))
     }
 
     /// Makes the chain anew without the effect that was added in a step, with `without` as its last model.
@@ -127,9 +138,9 @@ impl Search<'_> {
         found.rivals.remove(step);
         found.false_discovery_rates.remove(step);
         found.chain.pop();
-        for later in found.chain.iter_mut().skip(step + 1) {
-            if let Some(without) = self.without(later, removed) {
-                *later = without;
+        for index in step + 1..found.chain.len() {
+            if let Some(without) = self.without(&found.chain[index], removed, found) {
+                found.chain[index] = without;
             }
         }
         found.chain.push(without);
