@@ -245,19 +245,23 @@ impl<'a> Separable<'a> {
         let mut changed: Vec<_> = changed(&above, &below)
             .into_iter()
             .map(|index| {
-                let columns = [&above, &below].map(|moved| moved.columns_of(index, motion, row_filter));
-                (columns, vec![Vec::new(); widths[index]], &self.coefficients[ranges[index].clone()])
+                let columns_of = [&above, &below].map(|moved| moved.columns_of(index, motion, row_filter));
+                let columns = vec![Vec::new(); widths[index]];
+                (columns_of, [columns.clone(), columns], &self.coefficients[ranges[index].clone()])
             })
             .collect();
-        // What changes is added up before it is filtered.
+        // What changes is added up before it is filtered; column by column, so that nothing is left of one that does not.
         let mut rows = row_filter.rows_of(1, |range, sum| {
             sum[0].fill(0.0);
-            for ([above, below], columns, coefficients) in &mut changed {
-                for (columns_of, over) in [(above, 2.0 * step), (below, -2.0 * step)] {
+            for (columns_of, columns, coefficients) in &mut changed {
+                for (columns_of, columns) in columns_of.iter_mut().zip(&mut *columns) {
                     columns.iter_mut().for_each(|column| column.resize(range.len(), 0.0));
                     columns_of(range.clone(), columns);
-                    let columns = columns.iter().zip(*coefficients);
-                    columns.for_each(|(column, coefficient)| subtract(&mut sum[0], -coefficient / over, column));
+                }
+                let [above, below] = columns;
+                for ((above, below), coefficient) in above.iter_mut().zip(below).zip(*coefficients) {
+                    subtract(above, 1.0, below);
+                    subtract(&mut sum[0], -coefficient / (2.0 * step), above);
                 }
             }
         });
