@@ -152,14 +152,10 @@ impl Search<'_> {
         let best = tried.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
         if best.is_some_and(|best| best.structure.is_coupled() && explains_enough(current, best)) {
             // It explains most, but not all: it may have been fitted in a neighbouring valley, or be another coupling.
-            for kind in couplings.into_iter().filter(|kind| !twist::is_shaft(kind)) {
-                let Some(other) = self.coupled(kind, current, Effort::Thorough) else { continue };
-                let is_worse = |judged: &Judged| judged.newest() == kind.name && judged.evidence <= other.evidence;
-                tried.retain(|judged| !is_worse(judged));
-                if tried.iter().all(|judged| judged.newest() != kind.name) {
-                    tried.push(other);
-                }
-            }
+            let may_lose_touch = |effect: &Effect| is_coupling(effect.kind()) && !twist::is_shaft(effect.kind());
+            tried.retain(|judged| !judged.structure.effects.last().is_some_and(may_lose_touch));
+            let backlash = self.couplings(current).into_iter().filter(|kind| !twist::is_shaft(kind));
+            tried.extend(backlash.filter_map(|kind| self.coupled(kind, current, Effort::Thorough)));
         }
     }
 

@@ -17,8 +17,8 @@ use crate::diagnosis::search::judged::Judged;
 const SLOW: f64 = 0.25;
 /// Starts of a coupling that are refined: as many of the best on slow motion and of the best on the whole band.
 const STARTED: usize = 3;
-/// Starts of a coupling that are refined in a thorough search besides these.
-const STARTED_THOROUGHLY: usize = 14;
+/// Starts of a coupling that are refined in a thorough search.
+const STARTED_THOROUGHLY: usize = 20;
 /// Share of the squares of slow motion that a coupling must not leave to be looked at in the whole band.
 const HOPELESS: f64 = 0.95;
 /// A gap this close to the floor is closed, in floors.
@@ -41,7 +41,7 @@ pub(crate) enum Effort {
     Full,
     /// The same from starts that lie close together, for what is hardly louder than noise.
     Fine,
-    /// The same from the starts that come next.
+    /// The same from more of the starts.
     Thorough,
 }
 
@@ -84,11 +84,7 @@ pub(crate) fn fitted<'a>(
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     let first = starts.len().min(STARTED);
     starts[first..].sort_by(|a, b| a.1.total_cmp(&b.1));
-    let next = starts.split_off(starts.len().min(2 * STARTED));
-    if effort == Effort::Thorough {
-        starts = next;
-        starts.truncate(STARTED_THOROUGHLY);
-    }
+    starts.truncate(if effort == Effort::Thorough { STARTED_THOROUGHLY } else { 2 * STARTED });
     let present = Nonlinear::new(unskewed, train);
     let is_coarse = present.leaves_much();
     let present = present.slow_squares(SLOW);
