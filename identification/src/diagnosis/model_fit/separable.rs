@@ -228,44 +228,25 @@ impl<'a> Separable<'a> {
         if delays {
             let step = 0.02 / self.capture.rate_hz;
             let delay_s = self.structure.delay_s();
-            let at = |delay_s: f64| self.capture.torque_mnm(delay_s);
-            let (sooner, later) = (at(delay_s - step), at(delay_s + step));
-            let falls: Vec<f64> =
-                sooner.iter().zip(&later).map(|(sooner, later)| (sooner - later) / (2.0 * step)).collect();
-            return self.capture.row_filter.rows(&falls);
+            let (later, sooner) = (self.capture.target(delay_s + step), self.capture.target(delay_s - step));
+            return later.iter().zip(&sooner).map(|(later, sooner)| (sooner - later) / (2.0 * step)).collect();
         }
         let step = DIFFERENCE * value.abs().max(f64::MIN_POSITIVE);
-        let [above, below] = [value + step, value - step].map(|value| {
+        let ranges = self.structure.ranges();
+        let predicted = |value: f64| {
             let mut moved = self.structure.clone();
             moved.set(searched, value);
-            moved
-        });
-        let (motion, row_filter) = (&self.capture.motion, &self.capture.row_filter);
-        let (ranges, widths) = (self.structure.ranges(), self.structure.widths());
-        let mut changed: Vec<_> = changed(&above, &below)
-            .into_iter()
-            .map(|index| {
-                let columns_of = [&above, &below].map(|moved| moved.columns_of(index, motion, row_filter));
-                let columns = vec![Vec::new(); widths[index]];
-                (columns_of, [columns.clone(), columns], &self.coefficients[ranges[index].clone()])
-            })
-            .collect();
-        // What changes is added up before it is filtered; column by column, so that nothing is left of one that does not.
-        let mut rows = row_filter.rows_of(1, |range, sum| {
-            sum[0].fill(0.0);
-            for (columns_of, columns, coefficients) in &mut changed {
-                for (columns_of, columns) in columns_of.iter_mut().zip(&mut *columns) {
-                    columns.iter_mut().for_each(|column| column.resize(range.len(), 0.0));
-                    columns_of(range.clone(), columns);
-                }
-                let [above, below] = columns;
-                for ((above, below), coefficient) in above.iter_mut().zip(below).zip(*coefficients) {
-                    subtract(above, 1.0, below);
-                    subtract(&mut sum[0], -coefficient / (2.0 * step), above);
+            let mut sum = vec![0.0; self.target.len()];
+            for index in changed(&self.structure, &moved) {
+                let coefficients = &self.coefficients[ranges[index].clone()];
+                for (rows, coefficient) in self.capture.rows_of(&moved, index).iter().zip(coefficients) {
+                    sum.iter_mut().zip(rows).for_each(|(slot, value)| *slot += coefficient * value);
                 }
             }
-        });
-        rows.remove(0)
+            sum
+        };
+        let (above, below) = (predicted(value + step), predicted(value - step));
+        above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * step)).collect()
     }
 
     /// Improves the searched parameters and the skew by at most `rounds` Gauss–Newton steps.

@@ -51,7 +51,7 @@ impl Search<'_> {
         for step in 0..found.added.len().saturating_sub(1) {
             let added = found.added[step];
             let Some(without) = self.without(&last, added, found) else { continue };
-            if without.evidence > last.evidence {
+            if without.evidence > last.evidence && without.heldout_rms_mnm <= last.heldout_rms_mnm {
                 self.remove(found, step, without);
                 return true;
             }
