@@ -98,9 +98,10 @@ pub fn diagnose(
         search.check(&base)?;
         let mut found = search.explain(base);
         let changed = after(&found, comparison);
-        let changed_compared = changed.of(train_capture, given);
+        let changed_compared;
         if changed != comparison {
             comparison = changed;
+            changed_compared = comparison.of(train_capture, given);
             found = found.judged_by(train_capture, &changed_compared);
             if !explains_the_gap(found.named(), &found.chain[0]) {
                 continue;
