@@ -171,7 +171,7 @@ fn detents(step: &Step) -> Table {
 
 /// Decimals that show two or three digits of an interval's width.
 fn decimals(width: f64) -> usize {
-    terminal::decimals(width.abs().max(1e-9), 2.0, [0.0, 12.0])
+    terminal::decimals(width, 2.0, [0.0, 12.0])
 }
 
 fn table<const COLUMNS: usize>(

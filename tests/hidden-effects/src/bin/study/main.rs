@@ -71,14 +71,14 @@ fn main() -> Result<()> {
         return Ok(());
     }
     let mut by_family = Vec::new();
-    for family in Family::ALL {
+    for (place, family) in Family::ALL.into_iter().enumerate() {
         if arguments.families != "all" && !arguments.families.split(',').any(|name| name == family.name()) {
             continue;
         }
         let mut judged = Vec::new();
         for strength in &arguments.strengths {
             let folder = arguments.folder.join(format!("{}-{strength}", family.name()));
-            generate(&arguments, &folder, family, *strength)?;
+            generate(&arguments, &folder, family, place * arguments.count, *strength)?;
             let these = judge(&arguments, cases(&folder)?);
             keep(&folder, &these)?;
             judged.extend(these);
@@ -108,10 +108,11 @@ fn spread(count: usize, threads: usize, work: impl Fn(usize) + Sync) {
     });
 }
 
-/// Makes the captures of one family and strength, unless the very same are there.
-fn generate(arguments: &Arguments, folder: &Path, family: Family, strength: f64) -> Result<()> {
+/// Makes the captures of one family and strength, unless the very same are there; the families go on with the effects where the one before
+/// ended, so that all effects come equally often.
+fn generate(arguments: &Arguments, folder: &Path, family: Family, first: usize, strength: f64) -> Result<()> {
     let Arguments { seed, count, effects, .. } = arguments;
-    let made_by = format!("seed {seed}, count {count}, effects {effects}\n");
+    let made_by = format!("seed {seed}, captures {first} to {}, effects {effects}\n", first + count);
     let note = folder.join("made-by.txt");
     if fs::read_to_string(&note).is_ok_and(|there| there == made_by) {
         return Ok(());
@@ -119,7 +120,7 @@ fn generate(arguments: &Arguments, folder: &Path, family: Family, strength: f64)
     fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
     let answers = Mutex::new(BTreeMap::new());
     spread(*count, arguments.at_once, |index| {
-        let made = Capture::new(*seed, index, family, effects, strength)
+        let made = Capture::new(*seed, first + index, family, effects, strength)
             .and_then(|capture| capture.write(folder).map(|()| (capture.name, capture.answer)));
         match made {
             Ok((name, answer)) => _ = answers.lock().map(|mut answers| answers.insert(name, answer)),
