@@ -4,6 +4,7 @@
 //! was found. [`diagnose`] goes through them.
 
 mod capture;
+mod comparison;
 mod error;
 mod findings;
 mod model_fit;

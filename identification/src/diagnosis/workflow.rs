@@ -1,9 +1,10 @@
 //! The way from a capture and a model to a verdict.
 
-use dynamics::{Axis, Calibration, Model, effects};
+use dynamics::{Axis, Calibration, Model};
 
 use super::capture::encoder_zero::EncoderZero;
 use super::capture::{Capture, EDGE_HZ, Stretches};
+use super::comparison::{BEYOND, Comparison};
 use super::error::DiagnosisError;
 use super::findings::{Diagnosis, Verdict};
 use super::model_fit::undetermined::Undetermined;
@@ -121,48 +122,6 @@ pub fn diagnose(
         diagnosis.notes.extend(comparison.within(train_capture, given).map(|_| BEYOND.to_owned()));
         diagnosis.notes.extend(undetermined.as_ref().map(Undetermined::note));
         return Ok(diagnosis);
-    }
-}
-
-/// What is said where the held-out capture shows detents that the training capture does not.
-const BEYOND: &str = "the detents are unequal: where the held-out capture goes beyond the angles of the training capture it is \
-                      left out; capture a whole turn to have every detent";
-
-/// What of the held-out capture is compared.
-#[derive(Clone, Copy, PartialEq)]
-struct Comparison {
-    /// Its encoder's zero, where that is not the training capture's.
-    zero: Option<EncoderZero>,
-    /// Whether each detent is different: those that the knob was not turned through in the training capture are unknown.
-    are_unequal: bool,
-}
-
-impl Comparison {
-    fn of(self, train: &Capture, given: &Capture) -> Capture {
-        self.within(train, given).unwrap_or_else(|| self.moved(given))
-    }
-
-    fn moved(self, given: &Capture) -> Capture {
-        self.zero.map_or_else(|| given.clone(), |zero| zero.taken_out_of(given))
-    }
-
-    /// The same without the angles beyond the training capture's; `None` where they need not be left out.
-    fn within(self, train: &Capture, given: &Capture) -> Option<Capture> {
-        if self.are_unequal { self.moved(given).within(train) } else { None }
-    }
-
-    /// The same as a model with what was missing tells it.
-    fn after(self, found: &Found, train: &Capture, given: &Capture, zero_may_move: bool) -> Self {
-        let mut after = self;
-        if zero_may_move {
-            let again = EncoderZero::again(self.zero, &found.named().structure, given);
-            if EncoderZero::differ(self.zero, again) {
-                after.zero = again;
-            }
-        }
-        let unequal = Self { are_unequal: true, ..after };
-        let are_unequal = found.added.contains(&effects::unequal_detents::KIND.name);
-        if are_unequal && unequal.within(train, given).is_some() { unequal } else { after }
     }
 }
 
