@@ -34,7 +34,7 @@ impl Comparison {
         if self.are_unequal { self.moved(given).within(train) } else { None }
     }
 
-    /// The same as a model with what was missing tells it.
+    /// The comparison that the effects found so far ask for: another zero, or unequal detents.
     pub(crate) fn after(self, found: &Found, train: &Capture, given: &Capture, zero_may_move: bool) -> Self {
         let mut after = self;
         if zero_may_move {

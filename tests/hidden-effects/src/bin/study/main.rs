@@ -108,8 +108,9 @@ fn spread(count: usize, threads: usize, work: impl Fn(usize) + Sync) {
     });
 }
 
-/// Makes the captures of one family and strength, unless the very same are there; the families go on with the effects where the one before
-/// ended, so that all effects come equally often.
+/// Makes the captures of one family and strength, unless the very same are there.
+///
+/// Each family continues the list of effects at its capture `first`, where the family before ended, so that all effects occur equally often.
 fn generate(arguments: &Arguments, folder: &Path, family: Family, first: usize, strength: f64) -> Result<()> {
     let Arguments { seed, count, effects, .. } = arguments;
     let made_by = format!("seed {seed}, captures {first} to {}, effects {effects}\n", first + count);
