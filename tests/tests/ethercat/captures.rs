@@ -32,7 +32,6 @@ fn fitted(wired: &Wired, rate_hz: &str) -> (Capture, Value) {
 fn the_plant_behind_a_drive_is_captured_as_it_is_at_one_two_and_four_kilohertz() {
     let Some(wired) = Wired::new(&[]) else { return };
     for rate_hz in ["1000", "2000", "4000"] {
-        wired.rig(|text| text);
         let (capture, parameters) = fitted(&wired, rate_hz);
         is_the_plants(&parameters, 0.0, rate_hz);
         assert!(capture.gaps.is_empty(), "{rate_hz}");

@@ -35,8 +35,7 @@ fn what_is_on_the_bus_is_listed_and_makes_a_rig_file_that_comes_up() {
 #[test]
 fn the_calls_of_a_tick_are_those_that_are_declared() {
     let Some(wired) = Wired::new(&[]) else { return };
-    let file = wired.rig(|text| text);
-    let arguments = ["capture", "--rig", &file, "--rate-hz", "1000", "--duration-s", "2", "--no-viewer"];
+    let arguments = ["capture", "--rig", "rig.toml", "--rate-hz", "1000", "--duration-s", "2", "--no-viewer"];
     let mut command = wired.bench.command(&arguments).unwrap();
     let output = command.env("HAPTIC_CAMERA_WATCH_CALLS", "1").output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -52,9 +51,8 @@ fn the_calls_of_a_tick_are_those_that_are_declared() {
 #[test]
 fn the_doctor_looks_at_the_interface() {
     let Some(wired) = Wired::new(&[]) else { return };
-    let file = wired.rig(|text| text);
     let looked_at =
-        || String::from_utf8_lossy(&wired.bench.run(&["doctor", "--rig", &file]).unwrap().stdout).into_owned();
+        || String::from_utf8_lossy(&wired.bench.run(&["doctor", "--rig", "rig.toml"]).unwrap().stdout).into_owned();
     let said = looked_at();
     assert!(said.contains("the driver of 'servo' is available") && !said.contains("hc0"), "{said}");
     assert!(super::ip("link set hc0 down"));

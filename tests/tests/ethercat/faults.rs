@@ -53,7 +53,6 @@ fn ended(wired: &Wired, run: Child) -> String {
 
 /// Asserts that a further run does what it should.
 fn next_run_starts(wired: &Wired) {
-    wired.rig(|text| text);
     let (said, status, capture) = wired.capture("1000", "1");
     assert_eq!(status, Some(0), "{said}");
     is_whole(capture, &said);
@@ -81,7 +80,6 @@ fn a_terminal_that_drops_out_shows_in_the_working_counter() {
     ends_in(&wired, "a device no longer takes part in the exchange (wrong working counter)");
     // Less than is permitted is flagged, and the run goes on.
     wired.segment = Running::start(&["--terminal-absent", "--after-s", "2", "--frames", "20"]);
-    wired.rig(|text| text);
     let (said, status, capture) = wired.capture("1000", "4");
     assert_eq!(status, Some(0), "{said}");
     let words = "ticks without new data: a device no longer takes part in the exchange (wrong working counter)";

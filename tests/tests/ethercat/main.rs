@@ -144,13 +144,14 @@ impl Wired {
             eprintln!("SKIPPED: no pair of virtual interfaces can be had (`ip link add type veth`)");
             return None;
         }
-        Some(Self { bench, segment: Running::start(options) })
+        let wired = Self { bench, segment: Running::start(options) };
+        wired.rig(|text| text);
+        Some(wired)
     }
 
     /// Writes the rig's file, changed by `edit`.
-    fn rig(&self, edit: impl Fn(String) -> String) -> String {
+    fn rig(&self, edit: impl Fn(String) -> String) {
         std::fs::write(self.bench.path("rig.toml"), edit(RIG.to_owned())).unwrap();
-        "rig.toml".to_owned()
     }
 
     /// Captures; the error output, its exit status, and the archive if there is one.
