@@ -1,4 +1,4 @@
-//! Looking for controllers on a port: every identifier is asked once.
+//! Looking for controllers on a port: every identifier is asked, and all of them again if none answers.
 
 use std::os::unix::fs::FileTypeExt as _;
 use std::time::Duration;
@@ -61,7 +61,11 @@ fn look(link: &mut Link, port: &str, stop: &dyn Fn() -> bool) -> Result<Scanned,
     let Some(query) = Query::of(&["position"]) else { return Ok(Scanned::default()) };
     let mut found = Scanned::default();
     let mut unheard = codes::SILENCE;
-    for id in 1..=LAST_ID {
+    // A busy machine may miss the only answer.
+    for id in (1..=LAST_ID).chain(1..=LAST_ID) {
+        if id == 1 && !found.lines.is_empty() {
+            break;
+        }
         let address = Address { id, prefix: 0 };
         let mut talk = Conversation::new(link, address, stop);
         // The first is waited for longer: what it is answered with tells whether the port asks for checksums.

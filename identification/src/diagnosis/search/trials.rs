@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use dynamics::effects::{self, cogging};
+use dynamics::effects::{self, cogging, shaft_compliance};
 use dynamics::{Coordinate, Effect, EffectKind, ParameterKind, Part, Role};
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ use crate::diagnosis::model_fit::separable::{BEND, Separable};
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::model_fit::unequal;
-use crate::diagnosis::search::acceptance::{LEFT, explains_enough, explains_most_of_the_gap};
+use crate::diagnosis::search::acceptance::{LEFT, explains_enough, explains_most_of_the_gap, explains_nearly_all};
 use crate::diagnosis::search::hypotheses::coupled::{self, CLOSED, Effort, OPEN};
 use crate::diagnosis::search::hypotheses::{candidates, separable};
 use crate::diagnosis::search::judged::Judged;
@@ -140,7 +140,7 @@ impl Search<'_> {
             let judged = self.coupled(kind, current, effort);
             self.say(Progress::Tried { effect: kind.name, done: of - couplings.len() + index + 1, of });
             let is_enough = !is_faint && judged.as_ref().is_some_and(explains_most);
-            tried.extend(judged);
+            self.try_best(judged, tried);
             if is_enough {
                 // The next coupling has more freedom and costs more.
                 return;
@@ -155,7 +155,7 @@ impl Search<'_> {
             let may_lose_touch = |effect: &Effect| is_coupling(effect.kind()) && !twist::is_shaft(effect.kind());
             tried.retain(|judged| !judged.structure.effects.last().is_some_and(may_lose_touch));
             let backlash = self.couplings(current).into_iter().filter(|kind| !twist::is_shaft(kind));
-            tried.extend(backlash.filter_map(|kind| self.coupled(kind, current, Effort::Thorough)));
+            backlash.for_each(|kind| self.try_best(self.coupled(kind, current, Effort::Thorough), tried));
         }
     }
 
@@ -167,8 +167,40 @@ impl Search<'_> {
         couplings
     }
 
+    /// The best fit with a coupling of a kind more; a shaft where its gap may as well not be there and a shaft explains as much.
     fn coupled(&self, kind: &'static EffectKind, current: &Judged, effort: Effort) -> Option<Judged> {
-        coupled::fitted(kind, &current.structure, [self.train, self.heldout], effort)
+        let fitted = |kind, effort| coupled::fitted(kind, &current.structure, [self.train, self.heldout], effort);
+        let judged = fitted(kind, effort)?;
+        if twist::is_shaft(kind) || self.has_gap(&judged) {
+            return Some(judged);
+        }
+        let shaft = fitted(&shaft_compliance::KIND, Effort::Full);
+        Some(shaft.filter(|shaft| explains_nearly_all(current, shaft)).unwrap_or(judged))
+    }
+
+    /// Whether a coupling's gap is known to be wider than the least that is looked for.
+    fn has_gap(&self, judged: &Judged) -> bool {
+        let interval = || {
+            let effect = judged.structure.effects.last()?;
+            let search = effect.kind().hypothesis?.searched.first()?;
+            let (least_rad, _) = (search.range)(&self.train.scene_of(&judged.structure))?;
+            let values = intervals::of(&judged.structure, self.train).pop()?;
+            let [low, _] = values.get(effect.kind().parameters[search.parameter].name)?.ci95?;
+            Some(low > least_rad)
+        };
+        interval().unwrap_or(false)
+    }
+
+    /// Adds what was tried, in the place of the same effect with less evidence.
+    fn try_best(&self, judged: Option<Judged>, tried: &mut Vec<Judged>) {
+        let Some(judged) = judged else { return };
+        if let Some(same) = tried.iter_mut().find(|other| other.newest() == judged.newest()) {
+            if judged.evidence > same.evidence {
+                *same = judged;
+            }
+        } else {
+            tried.push(judged);
+        }
     }
 
     /// The effects that could be added to a structure; on a map those of the angle.
