@@ -114,7 +114,7 @@ pub(crate) fn of(structure: &Structure) -> Option<(usize, Effect)> {
 
 /// Whether a structure's inertia resonates on its shaft at a frequency of the band.
 pub(crate) fn resonates_in_band(structure: &Structure, capture: &Capture) -> bool {
-    let shaft = of(structure).and_then(|(_, effect)| shaft(&effect));
+    let shaft = structure.effects.iter().find_map(shaft);
     let stiffnesses = capture.scene_of(structure).resonant_stiffnesses(0.0, capture.band.edge_hz);
     shaft.zip(stiffnesses).is_some_and(|(shaft, (_, highest))| shaft.stiffness_mnm_rad <= highest)
 }

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use dynamics::effects::{self, cogging, shaft_compliance};
+use dynamics::effects::{self, cogging};
 use dynamics::{Coordinate, Effect, EffectKind, ParameterKind, Part, Role};
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ use crate::diagnosis::model_fit::separable::{BEND, Separable};
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::model_fit::unequal;
-use crate::diagnosis::search::acceptance::{LEFT, explains_enough, explains_most_of_the_gap, explains_nearly_all};
+use crate::diagnosis::search::acceptance::{EVIDENCE, LEFT, explains_enough, explains_most_of_the_gap};
 use crate::diagnosis::search::hypotheses::coupled::{self, CLOSED, Effort, OPEN};
 use crate::diagnosis::search::hypotheses::{candidates, separable};
 use crate::diagnosis::search::judged::Judged;
@@ -136,11 +136,21 @@ impl Search<'_> {
         let mut couplings = self.couplings(current);
         // A shaft is found without simulation.
         couplings.retain(|kind| twist::is_shaft(kind) || !is_mostly_explained && !found.has_failed(kind));
+        // Of a resonance above the band this has the first rise only: next to noise, a sensor's own resonance makes as much.
+        let mut above_band: Option<Judged> = None;
         for (index, kind) in couplings.iter().enumerate() {
-            let judged = self.coupled(kind, current, effort);
+            let mut judged = self.coupled(kind, current, effort);
+            if twist::is_shaft(kind) {
+                above_band =
+                    judged.take_if(|shaft| is_faint && !twist::resonates_in_band(&shaft.structure, self.train));
+            } else if judged.as_ref().is_some_and(|judged| self.is_worth_a_name(current, judged, found))
+                && let Some(shaft) = above_band.take()
+            {
+                judged = judged.map(|judged| self.with_or_without_gap(judged, shaft));
+            }
             self.say(Progress::Tried { effect: kind.name, done: of - couplings.len() + index + 1, of });
             let is_enough = !is_faint && judged.as_ref().is_some_and(explains_most);
-            self.try_best(judged, tried);
+            tried.extend(judged);
             if is_enough {
                 // The next coupling has more freedom and costs more.
                 return;
@@ -155,7 +165,7 @@ impl Search<'_> {
             let may_lose_touch = |effect: &Effect| is_coupling(effect.kind()) && !twist::is_shaft(effect.kind());
             tried.retain(|judged| !judged.structure.effects.last().is_some_and(may_lose_touch));
             let backlash = self.couplings(current).into_iter().filter(|kind| !twist::is_shaft(kind));
-            backlash.for_each(|kind| self.try_best(self.coupled(kind, current, Effort::Thorough), tried));
+            tried.extend(backlash.filter_map(|kind| self.coupled(kind, current, Effort::Thorough)));
         }
     }
 
@@ -167,18 +177,13 @@ impl Search<'_> {
         couplings
     }
 
-    /// The best fit with a coupling of a kind more; a shaft where its gap may as well not be there and a shaft explains as much.
-    fn coupled(&self, kind: &'static EffectKind, current: &Judged, effort: Effort) -> Option<Judged> {
-        let fitted = |kind, effort| coupled::fitted(kind, &current.structure, [self.train, self.heldout], effort);
-        let judged = fitted(kind, effort)?;
-        if twist::is_shaft(kind) || self.has_gap(&judged) {
-            return Some(judged);
-        }
-        let shaft = fitted(&shaft_compliance::KIND, Effort::Full);
-        Some(shaft.filter(|shaft| explains_nearly_all(current, shaft)).unwrap_or(judged))
+    /// What was tried with a gap, or with a shaft in its place: if that has more evidence, or hardly less where the gap may be none.
+    fn with_or_without_gap(&self, with: Judged, without: Judged) -> Judged {
+        let margin = if self.has_gap(&with) { 0.0 } else { EVIDENCE };
+        if without.evidence > with.evidence - margin { without } else { with }
     }
 
-    /// Whether a coupling's gap is known to be wider than the least that is looked for.
+    /// Whether the gap of the last effect is surely wider than the least that is looked for.
     fn has_gap(&self, judged: &Judged) -> bool {
         let interval = || {
             let effect = judged.structure.effects.last()?;
@@ -191,16 +196,8 @@ impl Search<'_> {
         interval().unwrap_or(false)
     }
 
-    /// Adds what was tried, in the place of the same effect with less evidence.
-    fn try_best(&self, judged: Option<Judged>, tried: &mut Vec<Judged>) {
-        let Some(judged) = judged else { return };
-        if let Some(same) = tried.iter_mut().find(|other| other.newest() == judged.newest()) {
-            if judged.evidence > same.evidence {
-                *same = judged;
-            }
-        } else {
-            tried.push(judged);
-        }
+    fn coupled(&self, kind: &'static EffectKind, current: &Judged, effort: Effort) -> Option<Judged> {
+        coupled::fitted(kind, &current.structure, [self.train, self.heldout], effort)
     }
 
     /// The effects that could be added to a structure; on a map those of the angle.

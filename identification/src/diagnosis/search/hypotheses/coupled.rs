@@ -60,10 +60,6 @@ pub(crate) fn fitted<'a>(
     let unskewed = Structure { skew_s: 0.0, shaft_is_simulated: false, ..base.clone() };
     if twist::is_shaft(kind) {
         let behind = twist::fitted(&effects, &hypothesis, &unskewed, train)?;
-        // Of a higher resonance the band has the first rise only: next to noise, a sensor's own resonance makes as much.
-        if scene.is_faint && !twist::resonates_in_band(&behind, train) {
-            return None;
-        }
         let simulated = Structure { shaft_is_simulated: true, ..behind.clone() };
         let refined = |structure| {
             let mut fit = Nonlinear::new(structure, train);
