@@ -67,7 +67,7 @@ fn a_knob_is_replayed_within_bounds_that_follow_from_the_drives_delay() {
         wired.rig(|text| {
             let calibration = "[calibration]\nmotor_coulomb_mnm = 0.0\nmotor_viscous = 0.0\ncommand_delay_s = ";
             text.replace("[calibration]\n", &format!("{calibration}{delay_s}\n"))
-        })
+        });
     };
     let replay = ["replay", "3", "--rig", "rig.toml", "--rate-hz", "1000", "--duration-s", "2", "--no-viewer"];
     // The drive takes its torque with the frame.
