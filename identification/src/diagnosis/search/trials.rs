@@ -136,7 +136,7 @@ impl Search<'_> {
         let mut couplings = self.couplings(current);
         // A shaft is found without simulation.
         couplings.retain(|kind| twist::is_shaft(kind) || !is_mostly_explained && !found.has_failed(kind));
-        // Of a resonance above the band this has the first rise only: next to noise, a sensor's own resonance makes as much.
+        // Of a resonance above it the band has the first rise only: next to noise, a sensor's own resonance makes as much.
         let mut above_band: Option<Judged> = None;
         for (index, kind) in couplings.iter().enumerate() {
             let mut judged = self.coupled(kind, current, effort);
