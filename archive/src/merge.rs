@@ -25,6 +25,8 @@ pub struct MergeSummary {
     pub ledger: SequenceLedger,
     /// Messages on all channels, samples included.
     pub messages: u64,
+    /// Samples that no part has under a checksum.
+    pub unchecked_samples: u64,
     /// Bytes of all parts that could not be understood, such as the chunk that a kill cut off.
     pub bytes_dropped: u64,
 }
@@ -93,7 +95,7 @@ fn merge_into<W: Write + Seek>(
     published: Option<u64>,
 ) -> Result<MergeSummary, ArchiveError> {
     let mut combiner = Combiner::new(output, parts.len() > 1)?;
-    let mut bytes_dropped = 0;
+    let (mut unchecked_samples, mut bytes_dropped) = (0, 0);
     // Only parts whose samples overlap are open at once: a recorder may be restarted often.
     let mut waiting = by_first_sample(parts)?;
     let mut reading: Vec<Reading> = Vec::new();
@@ -112,7 +114,11 @@ fn merge_into<W: Write + Seek>(
         else {
             break;
         };
+        let admitted = combiner.ledger.admitted();
         combiner.message(&part.sample, part.source.body(&part.sample))?;
+        if !part.sample.checked {
+            unchecked_samples += combiner.ledger.admitted() - admitted;
+        }
         match advance(&mut part.source, &mut combiner, &part.path)? {
             Some(sample) => part.sample = sample,
             None => {
@@ -125,7 +131,8 @@ fn merge_into<W: Write + Seek>(
         combiner.ledger.close(published);
     }
     combiner.finish()?;
-    Ok(MergeSummary { ledger: combiner.ledger.clone(), messages: combiner.messages, bytes_dropped })
+    let Combiner { ledger, messages, .. } = combiner;
+    Ok(MergeSummary { ledger, messages, unchecked_samples, bytes_dropped })
 }
 
 /// The parts with the `seq` each begins with, the earliest last; a part without samples first of all.

@@ -224,14 +224,19 @@ impl Placing<'_> {
             }
             self.count_line()?;
             let line = raw.split('#').next().unwrap_or_default().trim();
-            if line.is_empty() || line.contains('=') {
+            if line.is_empty() {
                 continue;
             }
-            let mut words = line.split_whitespace();
-            let (Some(type_name), Some(name)) = (words.next(), words.next()) else {
+            let Some((type_name, rest)) = line.split_once(char::is_whitespace) else {
                 return Err(SchemaError::NotAField { line: index + 1, text: line.to_owned() });
             };
-            self.field(type_name, &format!("{prefix}{name}"), package, depth)?;
+            // A bound stands in the type and a default value behind a space: `string<=8 name "a=b"` is a field.
+            let rest = rest.trim_start();
+            let end = rest.find(|letter: char| letter.is_whitespace() || letter == '=').unwrap_or(rest.len());
+            let (name, value) = rest.split_at(end);
+            if !value.trim_start().starts_with('=') {
+                self.field(type_name, &format!("{prefix}{name}"), package, depth)?;
+            }
         }
         Ok(())
     }

@@ -95,6 +95,19 @@ fn parts_cut_off_anywhere_fill_each_other() {
 }
 
 #[test]
+fn samples_that_no_part_has_under_a_checksum_are_counted() {
+    let directory = tempfile::tempdir().unwrap();
+    // Chunks so long that a cut leaves whole blocks of one; the first of the file has the channels only.
+    let second = recording(400..6400, 3000);
+    let chunk = chunks_of(&second)[2].clone();
+    let cut = chunk.start + chunk.len() / 2;
+    let parts = parts(&directory, &[recording(0..500, 100), second[..cut].to_vec()]);
+    let merged = merge(&parts, &directory.path().join("run.mcap"), None).unwrap();
+    assert!(merged.unchecked_samples > 0);
+    assert_eq!(merged.ledger.admitted(), 3400 + merged.unchecked_samples);
+}
+
+#[test]
 fn what_no_part_has_is_a_gap_at_the_start_between_and_at_the_end() {
     let directory = tempfile::tempdir().unwrap();
     let parts = parts(&directory, &[recording(5..100, 100), recording(150..200, 100)]);

@@ -101,6 +101,14 @@ fn nested_structs_and_arrays_lie_where_the_schema_says() {
 }
 
 #[test]
+fn a_bound_and_a_default_value_are_no_constant() {
+    let layout = Layout::parse("uint8 ONE = 1\nuint16 a 3\nfloat64 b\nstring<=8 name \"c=d\"\nuint8 e\n").unwrap();
+    let places: Vec<(&str, usize)> = layout.fields.iter().map(|field| (field.name.as_str(), field.offset)).collect();
+    assert_eq!((places, layout.size), (vec![("a", 0), ("b", 8)], None));
+    assert_eq!(Layout::parse("int32[<=5] a\nuint8 b\n").unwrap().size, None);
+}
+
+#[test]
 fn cdr_aligns_each_primitive_to_its_own_size() {
     let layout = Layout::parse(
         "# comment only\nuint8 MARK=7\nbool a\nuint16 b\nbyte c\nfloat32 d\nint8[3] e\nfloat64 f\nInner[2] g\nint64 h\n\

@@ -18,7 +18,7 @@ pub struct RecoverOptions {
     /// Write the recovered archive here
     #[arg(long, value_name = "FIXED.mcap")]
     pub out: PathBuf,
-    /// Also keep the samples of a truncated chunk, which no checksum covers
+    /// Also keep the samples of a truncated chunk, which no checksum covers; those of an archive in parts are always kept
     #[arg(long)]
     pub keep_unchecked: bool,
 }
@@ -63,9 +63,13 @@ fn merge(archive: &Path, parts: &[PathBuf], out: &Path) -> anyhow::Result<Outcom
     let bounds = ledger.first().zip(ledger.last()).map_or_else(String::new, |(a, b)| format!(" ({a} to {b})"));
     let gaps: Vec<String> = ledger.gaps().iter().take(10).map(ToString::to_string).collect();
     let missing = if gaps.is_empty() { "none missing between them".to_owned() } else { gaps.join(", ") + " missing" };
+    let unchecked = match merged.unchecked_samples {
+        0 => String::new(),
+        count => format!("; no checksum covers {count} of the samples, which truncated chunks have"),
+    };
     say(format!(
-        "{}: kept {} samples{bounds} of {} parts, {missing}; {} bytes dropped; the recording was not finished, later \
-         samples are lost",
+        "{}: kept {} samples{bounds} of {} parts, {missing}{unchecked}; {} bytes dropped; the recording was not \
+         finished, later samples are lost",
         out.display(),
         ledger.admitted(),
         parts.len(),
