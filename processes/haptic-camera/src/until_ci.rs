@@ -30,7 +30,8 @@ impl FromStr for Share {
 
 impl fmt::Display for Share {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "{} %", self.0 * 100.0)
+        // As it was given: 7 %, where a hundred times its binary fraction is 7.000000000000001.
+        write!(formatter, "{} %", (self.0 * 1e8).round() / 1e6)
     }
 }
 
@@ -202,6 +203,16 @@ mod tests {
             ends_at(&knowledge(&[CONVERGED, LiveParameter { convergence: Convergence::Negligible, ..OPEN }])).is_some()
         );
         assert_eq!(ends_at(&knowledge(&[])), None);
+    }
+
+    #[test]
+    fn a_share_is_printed_as_it_was_given() {
+        assert!(
+            ["7%", "0.5%", "1e-4%", "33.3333%"]
+                .map(|text| (text, text.parse::<Share>().unwrap()))
+                .iter()
+                .all(|(text, share)| share.to_string() == text.replace("1e-4", "0.0001").replace('%', " %"))
+        );
     }
 
     #[test]

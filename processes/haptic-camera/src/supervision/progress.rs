@@ -188,9 +188,9 @@ fn below_bar(link: &LoopLink, until: Option<Share>) -> String {
 }
 
 fn table(fit: Option<&FitUpdate>, until: Option<Share>) -> String {
-    let asked = 100.0 * until.map_or(USUAL_SHARE, |share| share.0);
+    let asked = until.unwrap_or(Share(USUAL_SHARE));
     let mut text =
-        format!("{:<18}{:>12}{:>13}{:>9}  {:<12}needs ± {asked} %\n", "parameter", "so far", "95 %", "share", "unit");
+        format!("{:<18}{:>12}{:>13}{:>9}  {:<12}needs ± {asked}\n", "parameter", "so far", "95 %", "share", "unit");
     let estimate = fit.map(estimate_of);
     // The parameters of equation 1 in its order.
     let effects = [&inertia::KIND, &friction::KIND, &detent::KIND];
