@@ -112,13 +112,6 @@ pub(crate) fn of(structure: &Structure) -> Option<(usize, Effect)> {
     structure.effects.iter().copied().enumerate().find(|(_, effect)| shaft(effect).is_some())
 }
 
-/// Whether a structure's inertia resonates on its shaft at a frequency of the band.
-pub(crate) fn resonates_in_band(structure: &Structure, capture: &Capture) -> bool {
-    let shaft = structure.effects.iter().find_map(shaft);
-    let stiffnesses = capture.scene_of(structure).resonant_stiffnesses(0.0, capture.band.edge_hz);
-    shaft.zip(stiffnesses).is_some_and(|(shaft, (_, highest))| shaft.stiffness_mnm_rad <= highest)
-}
-
 /// A structure on a shaft that twists as the same without the shaft, and a capture as it would be behind it; `None` if there is no such shaft.
 pub(crate) fn unwound(structure: &Structure, capture: &Capture) -> Option<(Structure, Capture)> {
     let (index, effect) = of(structure)?;

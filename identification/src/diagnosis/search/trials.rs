@@ -136,17 +136,12 @@ impl Search<'_> {
         let mut couplings = self.couplings(current);
         // A shaft is found without simulation.
         couplings.retain(|kind| twist::is_shaft(kind) || !is_mostly_explained && !found.has_failed(kind));
-        // Of a resonance above it the band has the first rise only: next to noise, a sensor's own resonance makes as much.
-        let mut above_band: Option<Judged> = None;
         for (index, kind) in couplings.iter().enumerate() {
             let mut judged = self.coupled(kind, current, effort);
-            if twist::is_shaft(kind) {
-                above_band =
-                    judged.take_if(|shaft| is_faint && !twist::resonates_in_band(&shaft.structure, self.train));
-            } else if judged.as_ref().is_some_and(|judged| self.is_worth_a_name(current, judged, found))
-                && let Some(shaft) = above_band.take()
+            if !twist::is_shaft(kind)
+                && judged.as_ref().is_some_and(|judged| self.is_worth_a_name(current, judged, found))
             {
-                judged = judged.map(|judged| self.with_or_without_gap(judged, shaft));
+                judged = judged.filter(|judged| !self.is_rather_a_shaft(judged, tried));
             }
             self.say(Progress::Tried { effect: kind.name, done: of - couplings.len() + index + 1, of });
             let is_enough = !is_faint && judged.as_ref().is_some_and(explains_most);
@@ -177,10 +172,13 @@ impl Search<'_> {
         couplings
     }
 
-    /// What was tried with a gap, or with a shaft in its place: if that has more evidence, or hardly less where the gap may be none.
-    fn with_or_without_gap(&self, with: Judged, without: Judged) -> Judged {
-        let margin = if self.has_gap(&with) { 0.0 } else { EVIDENCE };
-        if without.evidence > with.evidence - margin { without } else { with }
+    /// Whether a shaft that was tried has more evidence than a gap, or hardly less where the gap may be none.
+    fn is_rather_a_shaft(&self, gap: &Judged, tried: &[Judged]) -> bool {
+        let is_shaft =
+            |judged: &&Judged| judged.structure.effects.last().is_some_and(|last| twist::is_shaft(last.kind()));
+        let Some(shaft) = tried.iter().find(is_shaft) else { return false };
+        let margin = if self.has_gap(gap) { 0.0 } else { EVIDENCE };
+        shaft.evidence > gap.evidence - margin
     }
 
     /// Whether the gap of the last effect is surely wider than the least that is looked for.

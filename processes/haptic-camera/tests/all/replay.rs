@@ -40,7 +40,9 @@ fn a_rendered_knob_captured_from_its_replay_is_its_model() {
     let [error, torque] = ["torque_error_rms_mnm", "torque_rms_mnm"].map(|key| result[key].as_f64().unwrap());
     assert!(error < 0.05 * torque, "{error} of {torque} mNm");
     assert!(result["held_still"]["encoder_steps"].as_f64().unwrap() < 1.0, "{result}");
-    assert_eq!(result["added"]["verdict"], "none");
+    // The coupling gives way a little, which is a shaft wherever a diagnosis sees it.
+    let added = result["added"]["effects"].as_array().unwrap();
+    assert!(added.iter().all(|effect| effect == "shaft-compliance"), "{}", result["added"]);
     assert_eq!(output.status.code(), Some(0));
     let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
     let mut shown = result.clone();
