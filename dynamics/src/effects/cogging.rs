@@ -95,8 +95,21 @@ pub fn lines(values: &[f64]) -> impl Iterator<Item = [f64; EACH]> + '_ {
 pub fn is_of_the_detents(per_turn: f64, scene: &Scene) -> bool {
     scene.detent_period_rad.is_some_and(|period_rad| {
         let order = per_turn * period_rad;
-        order > 1.5 && (order - order.round()).abs() < PI * period_rad / scene.travel_rad()
+        order > 1.5 && !are_resolved(per_turn, order.round() / period_rad, scene)
     })
+}
+
+/// Whether every line of an effect's values is another than all before it, as far as the travel can tell.
+#[must_use]
+pub fn lines_are_resolved(values: &[f64], scene: &Scene) -> bool {
+    let per_turn: Vec<f64> = lines(values).map(|[_, per_turn, _]| per_turn).collect();
+    let is_new = |(index, one): (usize, &f64)| per_turn[..index].iter().all(|other| are_resolved(*one, *other, scene));
+    per_turn.iter().enumerate().all(is_new)
+}
+
+/// Whether two numbers of periods per turn differ by half a period over the travel.
+fn are_resolved(one_per_turn: f64, other_per_turn: f64, scene: &Scene) -> bool {
+    (one_per_turn - other_per_turn).abs() >= PI / scene.travel_rad()
 }
 
 /// The search for a line's periods per turn.

@@ -1,6 +1,7 @@
 //! Whether an effect more is worth its name.
 
 use crate::diagnosis::capture::Capture;
+use crate::diagnosis::search::hypotheses::coupled::OPEN;
 use crate::diagnosis::search::judged::Judged;
 
 /// Evidence that an effect must bring beyond the cost of its freedom, nats: odds of e¹⁰.
@@ -33,6 +34,7 @@ pub(crate) const LOWER_FLOOR: f64 = 0.8;
 pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldout: &Capture) -> bool {
     let floor = after.heldout_floor_mnm;
     let [_, closed] = gap_and_closed(before, after);
+    let is_steady = after.steadily_better_than(before) > STEADY;
     // An end stop may act in a few stretches only; then what was never fitted must speak for it.
     let unseen = heldout.weight * (before.heldout_rms_mnm / after.heldout_rms_mnm).ln();
     // Whether a simulated body breaks away at one moment may hang on anything: then one stretch proves nothing. Nor does it
@@ -40,10 +42,11 @@ pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldou
     let may_be_seldom =
         !(before.structure.is_coupled() && before.structure.sticks()) && after.heldout_over_floor() < MOSTLY_NOISE;
     let predicts = after.heldout_over_floor() < MOSTLY_NOISE || after.heldout_p_value(before) < CHANCE;
-    explains_enough(before, after)
-        && predicts
-        && (after.steadily_better_than(before) > STEADY || may_be_seldom && unseen > EVIDENCE)
-        && closed > SMALLEST * floor * floor
+    let takes_enough = explains_enough(before, after) && closed > SMALLEST * floor * floor;
+    // So close to the floor, its own uncertainty exceeds the gap; what both captures say of the effect, stretch after stretch, does not depend on it.
+    let is_faint = before.most_over_floor() < OPEN && closes(0.0, before, after) && predicts_better(before, after);
+    predicts
+        && (takes_enough && (is_steady || may_be_seldom && unseen > EVIDENCE) || is_faint && is_steady)
         && closed > UNEXPLAINED * UNEXPLAINED * first.excess_above_lower_floor(after)
 }
 
@@ -56,7 +59,11 @@ fn gap_and_closed(before: &Judged, after: &Judged) -> [f64; 2] {
 
 /// Whether an effect more explains as much as one that is worth a name, though perhaps not surely.
 pub(crate) fn explains_enough(before: &Judged, after: &Judged) -> bool {
-    closes(WORTHWHILE, before, after) && after.heldout_rms_mnm < before.heldout_rms_mnm
+    closes(WORTHWHILE, before, after) && predicts_better(before, after)
+}
+
+fn predicts_better(before: &Judged, after: &Judged) -> bool {
+    after.heldout_rms_mnm < before.heldout_rms_mnm
 }
 
 /// Whether an effect more brings evidence and takes away more than a share of the mean square above the floor.

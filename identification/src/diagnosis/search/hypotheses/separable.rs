@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::coarse::Coarse;
 use super::{effect_at, grid};
 use crate::diagnosis::capture::Capture;
+use crate::diagnosis::model_fit::nonlinear::Nonlinear;
 use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::search::judged::Judged;
 
@@ -107,8 +108,10 @@ fn with_a_line_more<'a>(fit: &Separable<'a>) -> Option<Separable<'a>> {
     let mut fit =
         Separable::new(fit.structure.without(index).with(more, columns + kind.columns_of_a_line()), fit.capture);
     fit.refine_newest(ROUNDS);
-    let per_turn = fit.structure.effects[index].values()[used + 1];
-    (!cogging::is_of_the_detents(per_turn, &fit.capture.scene_of(&fit.structure))).then_some(fit)
+    let values = fit.structure.effects[index].values();
+    let scene = fit.capture.scene_of(&fit.structure);
+    let is_new = cogging::lines_are_resolved(values, &scene) && !cogging::is_of_the_detents(values[used + 1], &scene);
+    (is_new && Nonlinear::on_bound(&fit.structure, fit.capture).is_none()).then_some(fit)
 }
 
 /// Whether the effect's columns at one moment depend on that moment alone.
