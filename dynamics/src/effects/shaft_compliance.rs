@@ -38,8 +38,8 @@ pub static KIND: EffectKind = EffectKind {
             Search {
                 parameter: 0,
                 // Of a higher resonance the band has the first rise only, which a resonance of the sensor makes as well.
-                range: |scene| scene.resonant_stiffnesses(5.0, 2.0 * scene.band_hz),
-                starts: |_| 16,
+                range: |scene| scene.resonant_stiffnesses(5.0, 2.5 * scene.band_hz),
+                starts: |_| 24,
                 logarithmic: true,
                 same_as: None,
             },

@@ -4,6 +4,7 @@
 
 mod curve;
 mod files;
+mod lines;
 mod shapes;
 mod steepness;
 

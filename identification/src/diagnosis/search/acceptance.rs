@@ -1,7 +1,6 @@
 //! Whether an effect more is worth its name.
 
 use crate::diagnosis::capture::Capture;
-use crate::diagnosis::search::hypotheses::coupled::OPEN;
 use crate::diagnosis::search::judged::Judged;
 
 /// Evidence that an effect must bring beyond the cost of its freedom, nats: odds of e¹⁰.
@@ -16,6 +15,10 @@ const SMALLEST: f64 = 0.06;
 const CHANCE: f64 = 0.05;
 /// RMS in floors up to which a residual may be taken for noise.
 pub(crate) const MOSTLY_NOISE: f64 = 3.0;
+/// RMS in floors up to which a gap is closed.
+pub(crate) const CLOSED: f64 = 1.12;
+/// RMS in floors above which a residual is clearly louder than noise.
+pub(crate) const OPEN: f64 = 1.6;
 /// RMS in floors above which something is left, if it goes with something.
 pub(crate) const LEFT: f64 = 1.3;
 /// Evidence by which rivals must differ not to be a tie, nats: odds of 20 to 1.
@@ -30,7 +33,7 @@ const NEARLY_ALL: f64 = 0.9;
 /// How far the floor may lie below its estimate, as a share of it.
 pub(crate) const LOWER_FLOOR: f64 = 0.8;
 
-/// Whether an effect more explains enough, surely enough.
+/// Whether an effect more explains enough, surely enough; `first` is the model without further effects.
 pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldout: &Capture) -> bool {
     let floor = after.heldout_floor_mnm;
     let [_, closed] = gap_and_closed(before, after);
@@ -43,8 +46,11 @@ pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldou
         !(before.structure.is_coupled() && before.structure.sticks()) && after.heldout_over_floor() < MOSTLY_NOISE;
     let predicts = after.heldout_over_floor() < MOSTLY_NOISE || after.heldout_p_value(before) < CHANCE;
     let takes_enough = explains_enough(before, after) && closed > SMALLEST * floor * floor;
-    // So close to the floor, its own uncertainty exceeds the gap; what both captures say of the effect, stretch after stretch, does not depend on it.
-    let is_faint = before.most_over_floor() < OPEN && closes(0.0, before, after) && predicts_better(before, after);
+    // So close to the floor, its own uncertainty exceeds the gap; what both captures say of a first effect, stretch after stretch, does not depend
+    // on it. What that leaves another could imitate.
+    let is_first = before.structure.effects.iter().all(|effect| first.structure.position(effect.kind().name).is_some());
+    let is_faint =
+        is_first && before.most_over_floor() < OPEN && closes(0.0, before, after) && predicts_better(before, after);
     predicts
         && (takes_enough && (is_steady || may_be_seldom && unseen > EVIDENCE) || is_faint && is_steady)
         && closed > UNEXPLAINED * UNEXPLAINED * first.excess_above_lower_floor(after)

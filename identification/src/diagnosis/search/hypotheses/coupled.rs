@@ -10,7 +10,7 @@ use crate::diagnosis::model_fit::nonlinear::Nonlinear;
 use crate::diagnosis::model_fit::sticking;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::twist;
-use crate::diagnosis::search::acceptance::WORTHWHILE;
+use crate::diagnosis::search::acceptance::{CLOSED, OPEN, WORTHWHILE};
 use crate::diagnosis::search::judged::Judged;
 
 /// Share of the band in which starts of a coupling are compared: there stiffness shows and ringing does not.
@@ -21,10 +21,6 @@ const STARTED: usize = 3;
 const STARTED_THOROUGHLY: usize = 20;
 /// Share of the squares of slow motion that a coupling must not leave to be looked at in the whole band.
 const HOPELESS: f64 = 0.95;
-/// A gap this close to the floor is closed, in floors.
-pub(crate) const CLOSED: f64 = 1.12;
-/// A fit that leaves more than this is clearly louder than noise, and may lack a stick limit, in floors.
-pub(crate) const OPEN: f64 = 1.6;
 /// Share by which values and sums of squares may differ of fits that are the same.
 const ALIKE: f64 = 0.01;
 /// A fit that leaves so many times the squares of the best one after a few steps is given up.
@@ -60,7 +56,12 @@ pub(crate) fn fitted<'a>(
     let unskewed = Structure { skew_s: 0.0, shaft_is_simulated: false, ..base.clone() };
     if twist::is_shaft(kind) {
         let behind = twist::fitted(&effects, &hypothesis, &unskewed, train)?;
+        // Next to noise a shaft's damping hardly shows in its twist: a simulation also begins with that of the starts.
         let simulated = Structure { shaft_is_simulated: true, ..behind.clone() };
+        let mut damped = simulated.clone();
+        if let (Some(shaft), Some(start)) = (damped.effects.last_mut(), effects.first()) {
+            shaft.values_mut()[1] = start.values()[1];
+        }
         let refined = |structure| {
             let mut fit = Nonlinear::new(structure, train);
             fit.refine();
@@ -70,7 +71,8 @@ pub(crate) fn fitted<'a>(
         if behind.most_over_floor() < CLOSED {
             return Some(behind);
         }
-        return [behind, refined(simulated)].into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
+        let (simulated, damped) = rayon::join(|| refined(simulated), || refined(damped));
+        return [behind, simulated, damped].into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
     }
     let structures: Vec<Structure> = effects.iter().map(|effect| unskewed.with(*effect, 0)).collect();
     let fits = Nonlinear::all(&structures, train).into_iter();
