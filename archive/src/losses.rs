@@ -12,7 +12,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// Time in the run, or the tick where the rate is not known.
+    /// Time in the run; the tick where the rate is not known, or the sample where the tick is not.
     pub(crate) fn in_words(self, rate_hz: Option<f64>) -> String {
         match (self.tick, rate_hz) {
             (Some(tick), Some(rate_hz)) => format!("{:.4} s", tick as f64 / rate_hz),

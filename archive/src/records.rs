@@ -327,8 +327,8 @@ fn u32_at(bytes: &[u8], offset: usize) -> Option<u32> {
     Some(u32::from_le_bytes(*bytes.get(offset..)?.first_chunk()?))
 }
 
-/// Decompresses a chunk. With `checked`, only a chunk whose checksum holds gives records; without,
-/// as many records come out as the bytes at hand yield.
+/// Decompresses a chunk. With `checked` it has records only if its checksum holds; without, all records that can be read before
+/// the bytes end or are damaged.
 fn unpack(frame: &[u8], checked: bool) -> Unpacked {
     let mut reader = LinearReader::new_with_options(
         LinearReaderOptions::default()

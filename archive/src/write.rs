@@ -168,8 +168,8 @@ impl<W: Write + Seek> CaptureWriter<W> {
     ) -> Result<(), ArchiveError> {
         self.body.truncate(CDR_LITTLE_ENDIAN_HEADER.len());
         self.body.extend_from_slice(body);
-        // Reports of several processes can cross on their way. Within a channel the archive's times never
-        // fall, as its readers expect; the message itself keeps its own.
+        // Messages of several processes may arrive out of order. Readers expect times within a channel that never fall, so a late
+        // message takes the newest one's; in its body it keeps its own.
         let time_ns = self.clock.wall_clock(monotonic_time_ns).max(self.newest_ns[channel]);
         self.newest_ns[channel] = time_ns;
         let header =

@@ -1,5 +1,7 @@
 //! The sensors' readings at rest.
 
+use std::f64::consts::PI;
+
 use dynamics::Calibration;
 
 use super::estimate::{CalibrateError, Calibrated, Estimate};
@@ -10,6 +12,8 @@ use crate::uncertainty::statistics::{mean, mean_and_error, student_95};
 const REST_RAD: f64 = 2e-3;
 /// Stretches of which the means are compared: what wanders more slowly than they last shows as scatter.
 const STRETCHES: usize = 30;
+/// Terms of the series for the bias of steps: with as little noise as they leave out, the bias is half a step.
+const TERMS: u32 = 8;
 
 /// Averages torque and acceleration of a rig at rest with nothing on the gripper.
 ///
@@ -48,21 +52,22 @@ pub fn zero(samples: &crate::Samples<'_>, known: &Calibration) -> Result<Calibra
     Ok(calibrated)
 }
 
-/// Mean and half width of its 95 % interval.
+/// Mean of a signal at rest, and half the width of its 95 % interval.
 ///
-/// The interval is that of the means of stretches, plus what a coarse step can hide: the mean of a
-/// signal with Gaussian noise σ on steps of Δ is off by at most Δ/π·exp(−2π²σ²/Δ²), the first term of
-/// Widrow's series (B. Widrow, I. Kollár, *Quantization Noise*, 2008).
+/// The interval is that of the means of stretches, plus the bias that a coarse step may cause: the mean of a signal with Gaussian
+/// noise σ on steps of Δ is off by at most Σ Δ/(πk)·exp(−2π²k²σ²/Δ²), k = 1, 2, …, and by Δ/2 (B. Widrow, I. Kollár,
+/// *Quantization Noise*, 2008).
 fn mean_at_rest(signal: &[f64], step: f64) -> (f64, f64) {
     let (value, own_error) = mean_and_error(signal);
     let stretch = signal.len() / STRETCHES;
     let means: Vec<f64> = signal.chunks_exact(stretch).take(STRETCHES).map(mean).collect();
     let (_, standard_error) = mean_and_error(&means);
-    let hidden = if step > 0.0 {
-        let noise = (signal.len() as f64 * own_error * own_error - step * step / 12.0).max(0.0);
-        step / std::f64::consts::PI * (-2.0 * std::f64::consts::PI.powi(2) * noise / (step * step)).exp()
+    let bias = if step > 0.0 {
+        let noise_variance = (signal.len() as f64 * own_error * own_error - step * step / 12.0).max(0.0);
+        let term = |k: f64| (-2.0 * (PI * k).powi(2) * noise_variance / (step * step)).exp() / (PI * k);
+        step * (1..=TERMS).map(|k| term(f64::from(k))).sum::<f64>().min(0.5)
     } else {
         0.0
     };
-    (value, student_95((means.len() - 1) as f64) * standard_error + hidden)
+    (value, student_95((means.len() - 1) as f64) * standard_error + bias)
 }

@@ -4,6 +4,9 @@ use crate::common::run;
 use dynamics::knobs::{self, Fixture};
 use dynamics::{Calibration, Drive, Model};
 use identification::calibration::{CalibrateError, Calibrated, Estimate, combine, gravity, gripper, latency, zero};
+use rand_distr::{Distribution as _, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::SeedableRng as _;
 
 const SEEDS: u64 = 12;
 
@@ -81,6 +84,35 @@ fn zeros_are_found_at_rest() {
     }
     torque.assert_good("torque_zero_mnm", 0.01);
     acceleration.assert_good("acceleration_zero_rad_s2", 0.1);
+}
+
+#[test]
+fn the_zero_of_a_coarse_sensor_is_within_its_interval_however_little_noise_there_is() {
+    const ROWS: usize = 3000;
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+    let t_s: Vec<f64> = (0..ROWS).map(|row| row as f64 * 1e-3).collect();
+    let still = vec![0.0; ROWS];
+    let known = Calibration { torque_step_mnm: 0.5, ..Calibration::default() };
+    for noise_mnm in [0.0, 0.02, 0.05, 0.1, 0.2] {
+        for truth_mnm in [-0.24, -0.1, 0.03, 0.2, 0.249] {
+            let seen = |_| {
+                let unit: f64 = StandardNormal.sample(&mut random);
+                ((truth_mnm + noise_mnm * unit) / known.torque_step_mnm).round() * known.torque_step_mnm
+            };
+            let torque: Vec<f64> = (0..ROWS).map(seen).collect();
+            let samples = identification::Samples {
+                t_s: &t_s,
+                angle_rad: &still,
+                velocity_rad_s: None,
+                acceleration_rad_s2: None,
+                torque_mnm: &torque,
+            };
+            let found = zero(&samples, &known).unwrap();
+            let estimate = found.get("torque_zero_mnm").unwrap();
+            let error = (estimate.value - truth_mnm).abs();
+            assert!(error <= estimate.half_width, "noise {noise_mnm}, {truth_mnm}: {estimate:?}");
+        }
+    }
 }
 
 #[test]

@@ -94,7 +94,7 @@ impl EncoderZero {
         }
     }
 
-    /// The best angle near one; `None` where the held-out capture is explained as well without.
+    /// The best angle between the zeros near one; `None` if it does not significantly reduce the held-out residual.
     fn near(from_rad: f64, step_rad: f64, structure: &Structure, heldout: &Capture) -> Option<Self> {
         let left = |by_rad: f64| residual(structure, &moved(heldout, by_rad));
         let squares = |by_rad: f64| {

@@ -262,6 +262,7 @@ impl<'a> Separable<'a> {
         self.refine_by(&searched, rounds);
     }
 
+    /// Takes Gauss–Newton steps of some searched parameters; the coefficients are solved for anew in each.
     fn refine_by(&mut self, searched: &[Searched], rounds: usize) {
         refiner::refine(rounds, 0.0, self.squares(), |before| {
             let tangents: Vec<Vec<f64>> = searched.iter().map(|which| self.tangent(*which)).collect();

@@ -1,5 +1,7 @@
 //! How well a fitted structure explains the capture that it was fitted to and another one.
 
+use dynamics::Effect;
+
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::nonlinear::{self, Nonlinear};
 use crate::diagnosis::model_fit::separable::Separable;
@@ -80,6 +82,11 @@ impl Judged {
     /// Name of the effect that the structure has more than the one before.
     pub(crate) fn newest(&self) -> &'static str {
         self.structure.effects.last().map_or("", |effect| effect.kind().name)
+    }
+
+    /// Whether that effect is fitted to each capture.
+    pub(crate) fn newest_is_per_capture(&self) -> bool {
+        self.structure.effects.last().is_some_and(is_per_capture)
     }
 
     /// The same with an effect of that name as the last; `None` if it has none.
@@ -198,12 +205,14 @@ fn residual_elsewhere(structure: &Structure, capture: &Capture) -> Vec<f64> {
     left
 }
 
+/// Whether an effect belongs to a capture and not to the knob, as a hum does.
+fn is_per_capture(effect: &Effect) -> bool {
+    effect.kind().hypothesis.is_some_and(|hypothesis| hypothesis.per_capture)
+}
+
 fn residual_as_fitted(structure: &Structure, capture: &Capture) -> Vec<f64> {
-    let of_capture = |index: &usize| {
-        let kind = structure.effects[*index].kind();
-        kind.hypothesis.is_some_and(|hypothesis| hypothesis.per_capture)
-    };
-    let own: Vec<usize> = (0..structure.effects.len()).filter(of_capture).collect();
+    let own: Vec<usize> =
+        (0..structure.effects.len()).filter(|index| is_per_capture(&structure.effects[*index])).collect();
     if own.is_empty() {
         return nonlinear::residual(structure, capture);
     }

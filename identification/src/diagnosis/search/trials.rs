@@ -1,5 +1,6 @@
 //! Every effect that may be missing, tried beside a structure, and what speaks against one.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use dynamics::effects::{self, cogging};
@@ -33,7 +34,7 @@ pub(crate) fn detent_of([amplitude_mnm, per_turn, phase_rad]: [f64; 3]) -> Effec
     Effect::new(&effects::detent::KIND, &[amplitude_mnm, 1.0 / per_turn, phase_rad])
 }
 
-fn is_coupling(kind: &EffectKind) -> bool {
+pub(crate) fn is_coupling(kind: &EffectKind) -> bool {
     matches!(kind.part, Part::Coupling(_))
 }
 
@@ -183,15 +184,26 @@ impl Search<'_> {
 
     /// Whether the gap of the last effect is surely wider than the least that is looked for.
     fn has_gap(&self, judged: &Judged) -> bool {
-        let interval = || {
-            let effect = judged.structure.effects.last()?;
-            let search = effect.kind().hypothesis?.searched.first()?;
-            let (least_rad, _) = (search.range)(&self.train.scene_of(&judged.structure))?;
-            let values = intervals::of(&judged.structure, self.train).pop()?;
-            let [low, _] = values.get(effect.kind().parameters[search.parameter].name)?.ci95?;
+        let values = intervals::of(&judged.structure, self.train).pop();
+        effects::by_name(judged.newest())
+            .zip(values)
+            .is_some_and(|(kind, values)| self.shows_gap(&judged.structure, kind, &values))
+    }
+
+    /// The same of a structure's coupling of these values.
+    pub(crate) fn shows_gap(
+        &self,
+        structure: &Structure,
+        kind: &EffectKind,
+        values: &BTreeMap<&'static str, Value>,
+    ) -> bool {
+        let shows = || {
+            let search = kind.hypothesis?.searched.first()?;
+            let (least_rad, _) = (search.range)(&self.train.scene_of(structure))?;
+            let [low, _] = values.get(kind.parameters[search.parameter].name)?.ci95?;
             Some(low > least_rad)
         };
-        interval().unwrap_or(false)
+        shows().unwrap_or(false)
     }
 
     fn coupled(&self, kind: &'static EffectKind, current: &Judged, effort: Effort) -> Option<Judged> {

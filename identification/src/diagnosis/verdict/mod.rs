@@ -6,18 +6,20 @@ pub(crate) mod locate;
 
 use std::collections::BTreeMap;
 
-use dynamics::{Model, effects, simulate};
+use dynamics::{EffectKind, Model, effects, simulate};
 
 use self::locate::locate;
 use crate::diagnosis::capture::{Capture, SLIDING, rows};
 use crate::diagnosis::findings::{Diagnosis, Rival, Step, Value, Verdict};
 use crate::diagnosis::model_fit::intervals;
 use crate::diagnosis::model_fit::structure::Structure;
+use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::model_fit::unequal;
 use crate::diagnosis::search::acceptance::{
     LEFT, LOWER_FLOOR, MOSTLY_EXPLAINED, MOSTLY_NOISE, TIE, UNEXPLAINED, takes_its_part, worthwhile,
 };
 use crate::diagnosis::search::judged::Judged;
+use crate::diagnosis::search::trials::is_coupling;
 use crate::diagnosis::search::{Found, Search};
 use crate::fit::report::one_sided_friction;
 use crate::numerics::vector::dot;
@@ -272,6 +274,16 @@ impl Search<'_> {
                 && last.structure.position(judged.newest()).is_none()
                 && !self.is_nothing(judged)
         };
+        // A coupling whose gap may be none is a shaft.
+        let may_be_a_shaft = |kind: &&'static EffectKind| {
+            let values = last.structure.position(effect).map(|index| &values[index]);
+            is_coupling(kind)
+                && !twist::is_shaft(kind)
+                && values.is_some_and(|values| !self.shows_gap(&last.structure, kind, values))
+        };
+        let shaft = effects::by_name(effect).filter(may_be_a_shaft).map(|_| effects::shaft_compliance::KIND.name);
+        let mut ties: Vec<&str> = rivals.iter().filter(tied).map(Judged::newest).collect();
+        ties.extend(shaft.filter(|shaft| !ties.contains(shaft)));
         let detents = unequal::detents(effect, &last.structure, self.train);
         let parameters = last.structure.position(effect).filter(|_| detents.is_empty());
         Step {
@@ -286,7 +298,7 @@ impl Search<'_> {
             steadiness: after.steadily_better_than(before),
             false_discovery_rate,
             placebo_rms: self.null_test_rms_mnm(effect, before, after),
-            ties: rivals.iter().filter(tied).map(Judged::newest).collect(),
+            ties,
             rivals: rivals.iter().map(rival).collect(),
         }
     }
