@@ -92,7 +92,8 @@ fn the_zero_of_a_coarse_sensor_is_within_its_interval_however_little_noise_there
     let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
     let t_s: Vec<f64> = (0..ROWS).map(|row| row as f64 * 1e-3).collect();
     let still = vec![0.0; ROWS];
-    let known = Calibration { torque_step_mnm: 0.5, ..Calibration::default() };
+    let rest = run(&Fixture::None.model().unwrap(), "hold", Drive::Torque, None, 1.0, 1);
+    let known = Calibration { torque_step_mnm: 0.5, ..rest.rig().clone() };
     for noise_mnm in [0.0, 0.02, 0.05, 0.1, 0.2] {
         for truth_mnm in [-0.24, -0.1, 0.03, 0.2, 0.249] {
             let seen = |_| {
