@@ -12,7 +12,7 @@ use crate::uncertainty::statistics::{mean, mean_and_error, student_95};
 const REST_RAD: f64 = 2e-3;
 /// Stretches of which the means are compared: what wanders more slowly than they last shows as scatter.
 const STRETCHES: usize = 30;
-/// Steps that a signal must span for its variance to tell its noise: between two levels it may be all place.
+/// Steps that a signal must span for its variance to tell its noise: on two levels that depends on where between them the mean lies.
 const FEWEST_STEPS: f64 = 1.5;
 /// Terms of the series for the bias of steps: with as little noise as they leave out, the bias is half a step.
 const TERMS: u32 = 8;
@@ -67,12 +67,15 @@ fn mean_at_rest(signal: &[f64], step: f64) -> (f64, f64) {
     (value, student_95((means.len() - 1) as f64) * standard_error + bias_of_steps(signal, own_error, step))
 }
 
-/// Largest bias of a mean on steps; half of one where a signal is seen on so few that noise and place cannot be told apart.
+/// Largest bias of a mean on steps: half a step where a signal spans so few that its variance does not tell its noise.
 fn bias_of_steps(signal: &[f64], own_error: f64, step: f64) -> f64 {
+    if step <= 0.0 {
+        return 0.0;
+    }
     if span(signal) < FEWEST_STEPS * step {
         return 0.5 * step;
     }
     let noise_variance = (signal.len() as f64 * own_error * own_error - step * step / 12.0).max(0.0);
     let term = |k: f64| (-2.0 * (PI * k).powi(2) * noise_variance / (step * step)).exp() / (PI * k);
-    if step > 0.0 { step * (1..=TERMS).map(|k| term(f64::from(k))).sum::<f64>().min(0.5) } else { 0.0 }
+    step * (1..=TERMS).map(|k| term(f64::from(k))).sum::<f64>().min(0.5)
 }

@@ -46,17 +46,22 @@ pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldou
         !(before.structure.is_coupled() && before.structure.sticks()) && after.heldout_over_floor() < MOSTLY_NOISE;
     let predicts = after.heldout_over_floor() < MOSTLY_NOISE || after.heldout_p_value(before) < CHANCE;
     let takes_enough = explains_enough(before, after) && closed > SMALLEST * floor * floor;
-    // So close to the floor, its own uncertainty exceeds the gap; what both captures say of a first effect, stretch after stretch, does not depend
-    // on it. What that leaves another could imitate, and what is fitted to either capture predicts nothing.
+    // Near the floor, its own uncertainty exceeds the gap; what both captures say of a first effect, stretch after stretch, does not depend on it.
+    // What that leaves another could imitate, and what is fitted to either capture predicts nothing.
     let is_first = before.structure.effects.iter().all(|effect| first.structure.position(effect.kind().name).is_some());
-    let is_faint = is_first
-        && before.most_over_floor() < OPEN
+    let speaks_for_itself = is_first
+        && is_near_the_floor(before)
         && !after.newest_is_per_capture()
         && closes(0.0, before, after)
         && predicts_better(before, after);
     predicts
-        && (takes_enough && (is_steady || may_be_seldom && unseen > EVIDENCE) || is_faint && is_steady)
+        && (takes_enough && (is_steady || may_be_seldom && unseen > EVIDENCE) || speaks_for_itself && is_steady)
         && closed > UNEXPLAINED * UNEXPLAINED * first.excess_above_lower_floor(after)
+}
+
+/// Whether what a model leaves may be noise alone, as well as the floor is known.
+pub(crate) fn is_near_the_floor(judged: &Judged) -> bool {
+    judged.most_over_floor() < OPEN
 }
 
 /// Mean square above the floor that a model leaves, and how much of it one more effect takes away, mNm².

@@ -14,7 +14,9 @@ use crate::diagnosis::model_fit::separable::{BEND, Separable};
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::model_fit::unequal;
-use crate::diagnosis::search::acceptance::{CLOSED, EVIDENCE, LEFT, OPEN, explains_enough, explains_most_of_the_gap};
+use crate::diagnosis::search::acceptance::{
+    CLOSED, EVIDENCE, LEFT, explains_enough, explains_most_of_the_gap, is_near_the_floor,
+};
 use crate::diagnosis::search::hypotheses::coupled::{self, Effort};
 use crate::diagnosis::search::hypotheses::{candidates, separable};
 use crate::diagnosis::search::judged::Judged;
@@ -34,8 +36,13 @@ pub(crate) fn detent_of([amplitude_mnm, per_turn, phase_rad]: [f64; 3]) -> Effec
     Effect::new(&effects::detent::KIND, &[amplitude_mnm, 1.0 / per_turn, phase_rad])
 }
 
-pub(crate) fn is_coupling(kind: &EffectKind) -> bool {
+fn is_coupling(kind: &EffectKind) -> bool {
     matches!(kind.part, Part::Coupling(_))
+}
+
+/// Whether an effect couples bodies that may lose touch, which those of a shaft do not.
+fn has_a_gap(effect: &Effect) -> bool {
+    is_coupling(effect.kind()) && !twist::is_shaft(effect.kind())
 }
 
 impl Search<'_> {
@@ -121,7 +128,7 @@ impl Search<'_> {
     /// Tries couplings, which cost most, where nothing else explains what is left.
     fn try_couplings(&self, current: &Judged, found: &Found, tried: &mut Vec<Judged>) {
         // So close to the floor, its own uncertainty exceeds what backlash leaves: there couplings are tried whatever else may explain it.
-        let is_faint = current.most_over_floor() < OPEN;
+        let is_faint = is_near_the_floor(current);
         let is_closed = |judged: &Judged| judged.most_over_floor() <= CLOSED;
         let qualifies = |judged: &Judged| self.disqualified(judged).is_none();
         let explains_all = |judged: &Judged| is_closed(judged) && qualifies(judged);
@@ -158,8 +165,7 @@ impl Search<'_> {
         let best = tried.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
         if best.is_some_and(|best| best.structure.is_coupled() && explains_enough(current, best)) {
             // It explains most, but not all: it may have been fitted in a neighbouring valley, or be another coupling.
-            let may_lose_touch = |effect: &Effect| is_coupling(effect.kind()) && !twist::is_shaft(effect.kind());
-            tried.retain(|judged| !judged.structure.effects.last().is_some_and(may_lose_touch));
+            tried.retain(|judged| !judged.structure.effects.last().is_some_and(has_a_gap));
             let backlash = self.couplings(current).into_iter().filter(|kind| !twist::is_shaft(kind));
             tried.extend(backlash.filter_map(|kind| self.coupled(kind, current, Effort::Thorough)));
         }
@@ -178,32 +184,27 @@ impl Search<'_> {
         let is_shaft =
             |judged: &&Judged| judged.structure.effects.last().is_some_and(|last| twist::is_shaft(last.kind()));
         let Some(shaft) = tried.iter().find(is_shaft) else { return false };
-        let margin = if self.has_gap(gap) { 0.0 } else { EVIDENCE };
+        let last = gap.structure.effects.len() - 1;
+        let values = intervals::of(&gap.structure, self.train).pop().unwrap_or_default();
+        let margin = if self.may_be_a_shaft(&gap.structure, last, &values) { EVIDENCE } else { 0.0 };
         shaft.evidence > gap.evidence - margin
     }
 
-    /// Whether the gap of the last effect is surely wider than the least that is looked for.
-    fn has_gap(&self, judged: &Judged) -> bool {
-        let values = intervals::of(&judged.structure, self.train).pop();
-        effects::by_name(judged.newest())
-            .zip(values)
-            .is_some_and(|(kind, values)| self.shows_gap(&judged.structure, kind, &values))
-    }
-
-    /// The same of a structure's coupling of these values.
-    pub(crate) fn shows_gap(
+    /// Whether an effect of these values is a coupling whose gap is not surely wider than the least that is looked for.
+    pub(crate) fn may_be_a_shaft(
         &self,
         structure: &Structure,
-        kind: &EffectKind,
+        index: usize,
         values: &BTreeMap<&'static str, Value>,
     ) -> bool {
-        let shows = || {
-            let search = kind.hypothesis?.searched.first()?;
+        let effect = &structure.effects[index];
+        let shows_gap = || {
+            let search = effect.kind().hypothesis?.searched.first()?;
             let (least_rad, _) = (search.range)(&self.train.scene_of(structure))?;
-            let [low, _] = values.get(kind.parameters[search.parameter].name)?.ci95?;
+            let [low, _] = values.get(effect.kind().parameters[search.parameter].name)?.ci95?;
             Some(low > least_rad)
         };
-        shows().unwrap_or(false)
+        has_a_gap(effect) && !shows_gap().unwrap_or(false)
     }
 
     fn coupled(&self, kind: &'static EffectKind, current: &Judged, effort: Effort) -> Option<Judged> {

@@ -6,20 +6,18 @@ pub(crate) mod locate;
 
 use std::collections::BTreeMap;
 
-use dynamics::{EffectKind, Model, effects, simulate};
+use dynamics::{Model, effects, simulate};
 
 use self::locate::locate;
 use crate::diagnosis::capture::{Capture, SLIDING, rows};
 use crate::diagnosis::findings::{Diagnosis, Rival, Step, Value, Verdict};
 use crate::diagnosis::model_fit::intervals;
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::model_fit::unequal;
 use crate::diagnosis::search::acceptance::{
     LEFT, LOWER_FLOOR, MOSTLY_EXPLAINED, MOSTLY_NOISE, TIE, UNEXPLAINED, takes_its_part, worthwhile,
 };
 use crate::diagnosis::search::judged::Judged;
-use crate::diagnosis::search::trials::is_coupling;
 use crate::diagnosis::search::{Found, Search};
 use crate::fit::report::one_sided_friction;
 use crate::numerics::vector::dot;
@@ -274,18 +272,15 @@ impl Search<'_> {
                 && last.structure.position(judged.newest()).is_none()
                 && !self.is_nothing(judged)
         };
-        // A coupling whose gap may be none is a shaft.
-        let may_be_a_shaft = |kind: &&'static EffectKind| {
-            let values = last.structure.position(effect).map(|index| &values[index]);
-            is_coupling(kind)
-                && !twist::is_shaft(kind)
-                && values.is_some_and(|values| !self.shows_gap(&last.structure, kind, values))
-        };
-        let shaft = effects::by_name(effect).filter(may_be_a_shaft).map(|_| effects::shaft_compliance::KIND.name);
+        let index = last.structure.position(effect);
         let mut ties: Vec<&str> = rivals.iter().filter(tied).map(Judged::newest).collect();
-        ties.extend(shaft.filter(|shaft| !ties.contains(shaft)));
+        let shaft = effects::shaft_compliance::KIND.name;
+        let may_be_a_shaft = index.is_some_and(|index| self.may_be_a_shaft(&last.structure, index, &values[index]));
+        if may_be_a_shaft && !ties.contains(&shaft) {
+            ties.push(shaft);
+        }
         let detents = unequal::detents(effect, &last.structure, self.train);
-        let parameters = last.structure.position(effect).filter(|_| detents.is_empty());
+        let parameters = index.filter(|_| detents.is_empty());
         Step {
             effect,
             parameters: parameters.map(|index| values[index].clone()).unwrap_or_default(),

@@ -43,6 +43,9 @@ fn a_rendered_knob_captured_from_its_replay_is_its_model() {
     // The coupling gives way a little, which is a shaft wherever a diagnosis sees it.
     let added = result["added"]["effects"].as_array().unwrap();
     assert!(added.iter().all(|effect| effect == "shaft-compliance"), "{}", result["added"]);
+    assert_ne!(result["added"]["verdict"], "outside-library");
+    let [before, floor] = ["heldout_rms_before", "noise_floor_rms"].map(|key| result["added"][key].as_f64().unwrap());
+    assert!(before < 1.12 * floor, "{before} of {floor} mNm");
     assert_eq!(output.status.code(), Some(0));
     let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
     let mut shown = result.clone();

@@ -56,12 +56,7 @@ pub(crate) fn fitted<'a>(
     let unskewed = Structure { skew_s: 0.0, shaft_is_simulated: false, ..base.clone() };
     if twist::is_shaft(kind) {
         let behind = twist::fitted(&effects, &hypothesis, &unskewed, train)?;
-        // Next to noise a shaft's damping hardly shows in its twist: a simulation also begins with that of the starts.
         let simulated = Structure { shaft_is_simulated: true, ..behind.clone() };
-        let mut damped = simulated.clone();
-        if let (Some(shaft), Some(start)) = (damped.effects.last_mut(), effects.first()) {
-            shaft.values_mut()[1] = start.values()[1];
-        }
         let refined = |structure| {
             let mut fit = Nonlinear::new(structure, train);
             fit.refine();
@@ -70,6 +65,11 @@ pub(crate) fn fitted<'a>(
         let behind = refined(behind);
         if behind.most_over_floor() < CLOSED {
             return Some(behind);
+        }
+        // Next to noise a shaft's damping hardly shows in its twist: a simulation also begins with that of the starts.
+        let mut damped = simulated.clone();
+        if let (Some(shaft), Some(start)) = (damped.effects.last_mut(), effects.first()) {
+            shaft.values_mut()[1] = start.values()[1];
         }
         let (simulated, damped) = rayon::join(|| refined(simulated), || refined(damped));
         return [behind, simulated, damped].into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
