@@ -1,14 +1,15 @@
-//! How far estimates move from rows to rows of which a right model would make the same.
+//! How far estimates move from fit to fit of which a right model would make the same.
 //!
-//! An interval for residuals that are correlated holds if the model is right. On a real machine it seldom is: friction that
-//! rises from near zero speed, a band in which something rings. The parameters then depend on which speeds and which
-//! frequencies they were fitted to. They are fitted again with the rows next to where the knob turns round without a rest, which the
-//! fit leaves out since its filters reach across; to half the band; to the faster and to the slower half of the motion; and without a
-//! delay that is too long for a trim. Where an estimate moves by more than chance explains (J. A. Hausman, Econometrica 46, 1978,
-//! 1251–1271), the rest of the shift belongs into its interval.
+//! An interval for residuals that are correlated holds if the model is right. On a real machine it seldom is: a weight, a spring,
+//! friction that rises from near zero speed, a torque that is late, a band in which something rings. The parameters then depend on
+//! which speeds and which frequencies they were fitted to. They are fitted again with the rows next to where the knob turns round
+//! without a rest, which the fit leaves out since its filters reach across; to half the band; to the faster and to the slower half of
+//! the motion; and beside effects that the model lacks (`omitted.rs`). Where an estimate moves by more than chance explains
+//! (J. A. Hausman, Econometrica 46, 1978, 1251–1271), its interval reaches to where the other estimate puts it.
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 
+use super::omitted;
 use super::trimmed::{Rows, Trimmed};
 use crate::preparation::row_filter::{ROWS_PER_EDGE, row_low_pass};
 use crate::regression::least_squares::LeastSquares;
@@ -20,19 +21,26 @@ const NARROWER: f64 = 0.5;
 const EVERY: usize = 2;
 /// A difference of two estimates is known at best to this share of the second one's variance.
 const LEAST_VARIANCE: f64 = 0.25;
+/// Standard deviations of the other estimate beyond which the truth lies in one of twenty cases, to one side.
+const ONE_SIDED_95: f64 = 1.645;
 
 /// Other estimates of the same parameters, as their differences from the fit.
 pub(crate) struct Misfit {
-    /// From other rows.
-    rows: Vec<Shift>,
+    /// From other rows, or beside other effects.
+    others: Vec<Shift>,
     /// Without the bounds at zero, where the fit held a coefficient there.
     unbounded: Option<Shift>,
+    /// What the model clearly lacks.
+    pub(super) note: Option<String>,
 }
 
-struct Shift {
-    change: DVector<f64>,
+/// Other estimates of the coefficients.
+pub(super) struct Shift {
+    pub(super) change: DVector<f64>,
     /// Covariance of the other estimates.
-    covariance: DMatrix<f64>,
+    pub(super) covariance: DMatrix<f64>,
+    /// Whether they are estimates of a better model, and not only of other rows.
+    pub(super) is_of_better_model: bool,
 }
 
 impl Shift {
@@ -61,14 +69,14 @@ impl Shift {
             columns.len(),
             other.coefficients.iter().zip(&solution.coefficients).map(|(other, fitted)| other - fitted),
         );
-        Some(Self { change, covariance })
+        Some(Self { change, covariance, is_of_better_model: false })
     }
 }
 
 impl Misfit {
-    /// Fits the settled problem's columns to the rows with those `near` standstill, to half their band and to the faster and the
-    /// slower half of their motion.
-    pub(crate) fn of(trimmed: &Trimmed<'_>, near: Option<&Rows>) -> Self {
+    /// Fits the settled problem's columns to the rows with those `near` standstill, to half their band, to the faster and the
+    /// slower half of their motion, and beside omitted effects. `robust` is the covariance of the fit.
+    pub(crate) fn of(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>, near: Option<&Rows>) -> Self {
         let at_zero = &trimmed.solution.at_zero;
         let is_held = at_zero.contains(&true);
         let Problem { motion, row_filter, target, .. } = &trimmed.problem;
@@ -87,7 +95,6 @@ impl Misfit {
             Shift::of(trimmed, rows, at_zero, kept)
         };
         let shifts = [
-            trimmed.without_refused_delay().as_ref().and_then(whole),
             near.and_then(whole),
             Shift::of(trimmed, rows, at_zero, |rows| narrow.decimate(rows, EVERY)),
             where_speed(|speed, typical| speed > typical),
@@ -95,24 +102,29 @@ impl Misfit {
         ];
         let is_free = vec![false; at_zero.len()];
         let unbounded = is_held.then(|| Shift::of(trimmed, &fitted, &is_free, <[f64]>::to_vec)).flatten();
-        Self { rows: shifts.into_iter().flatten().collect(), unbounded }
+        let (beside_omitted, note) = omitted::shifts(trimmed, robust);
+        Self { others: shifts.into_iter().flatten().chain(beside_omitted).collect(), unbounded, note }
     }
 
-    /// How far Σ `derivatives`ⱼ·coefficientⱼ, of which the fit has the variance `fitted`, moves beyond chance.
-    pub(crate) fn of_sum(&self, derivatives: &RowDVector<f64>, fitted: f64) -> f64 {
-        let beyond = self.rows.iter().map(|Shift { change, covariance }| {
+    /// Half width of a 95 % interval of Σ `derivatives`ⱼ·coefficientⱼ that by chance alone would be `by_chance`, of the variance
+    /// `fitted`.
+    pub(crate) fn half_width(&self, derivatives: &RowDVector<f64>, by_chance: f64, fitted: f64) -> f64 {
+        let beyond = self.others.iter().map(|Shift { change, covariance, is_of_better_model }| {
             let other = (derivatives * covariance).dot(derivatives);
             // Hausman's variance of the difference.
             let chance = (other - fitted).max(LEAST_VARIANCE * other);
-            (derivatives.transpose().dot(change).powi(2) - NORMAL_95.powi(2) * chance).max(0.0).sqrt()
+            let beyond = (derivatives.transpose().dot(change).powi(2) - NORMAL_95.powi(2) * chance).max(0.0).sqrt();
+            // Of a better model the truth is about where the other estimate is: the square of their sum, but nothing where there is no shift.
+            let about = if *is_of_better_model { ONE_SIDED_95 * other.sqrt() } else { 0.0 };
+            beyond * (beyond + 2.0 * about)
         });
-        beyond.fold(0.0, f64::max)
+        (by_chance.powi(2) + beyond.fold(0.0, f64::max)).sqrt()
     }
 
     /// Lowest and highest change of Σ `derivatives`ⱼ·coefficientⱼ in the 95 % interval of the fit without bounds; `None` where
     /// no coefficient is held at zero. What the bound takes from one coefficient it gives to others.
     pub(crate) fn without_bounds(&self, derivatives: &RowDVector<f64>, critical: f64) -> Option<[f64; 2]> {
-        let Shift { change, covariance } = self.unbounded.as_ref()?;
+        let Shift { change, covariance, .. } = self.unbounded.as_ref()?;
         let change = derivatives.transpose().dot(change);
         let half = critical * deviation_of_sum(covariance, derivatives.as_slice());
         Some([change - half, change + half])

@@ -1,6 +1,7 @@
 //! From samples to a fitted model.
 
 mod misfit;
+mod omitted;
 mod prepared;
 pub(crate) mod report;
 mod trimmed;

@@ -6,7 +6,7 @@ use dynamics::{Calibration, Effect, ParameterKind, Part, effects};
 use nalgebra::{DMatrix, RowDVector};
 
 use super::misfit::Misfit;
-use super::trimmed::{RefusedDelay, Rows, Trimmed};
+use super::trimmed::{Rows, Trimmed};
 use crate::estimate::{Covariance, Fit, Parameter, Parameters, Point};
 use crate::numerics::vector::{self, dot};
 use crate::preparation::band::Band;
@@ -52,14 +52,8 @@ impl<'a> Report<'a> {
         if let Some(curves) = &trimmed.curves {
             robust.enlarge(curves.points.len());
         }
-        Self {
-            trimmed,
-            band,
-            calibration,
-            robust,
-            textbook: trimmed.solution.textbook_covariance(),
-            misfit: Misfit::of(trimmed, near),
-        }
+        let misfit = Misfit::of(trimmed, &robust.matrix, near);
+        Self { trimmed, band, calibration, robust, textbook: trimmed.solution.textbook_covariance(), misfit }
     }
 
     /// All that the settled problem tells; `no_detents` is the reason if there are none.
@@ -109,13 +103,7 @@ impl<'a> Report<'a> {
     fn notes(&self, parameters: &Parameters) -> Vec<String> {
         let mut notes: Vec<String> = parameters.0.iter().filter_map(negative_friction).collect();
         notes.extend(one_sided_friction_of(parameters));
-        if let Some(RefusedDelay { delay_s, is_worth_a_note: true, .. }) = self.trimmed.refused {
-            notes.push(format!(
-                "the torque seems to come {:.2} ms {} the motion, more than half a sample: calibrate the delay or diagnose the capture",
-                1e3 * delay_s.abs(),
-                if delay_s > 0.0 { "after" } else { "before" }
-            ));
-        }
+        notes.extend(self.misfit.note.clone());
         notes
     }
 
@@ -136,7 +124,7 @@ impl<'a> Report<'a> {
             let critical = student_95(robust.degrees_of_freedom_of(&jacobian.row(position).transpose()));
             let derivatives = jacobian.row(position).into_owned();
             let by_chance = critical * variances[(position, position)].max(0.0).sqrt();
-            let half = by_chance.hypot(misfit.of_sum(&derivatives, variances[(position, position)]));
+            let half = misfit.half_width(&derivatives, by_chance, variances[(position, position)]);
             let [below, above] = misfit.without_bounds(&derivatives, critical).unwrap_or([0.0; 2]);
             let half_textbook = NORMAL_95 * textbook[(position, position)].max(0.0).sqrt();
             let linear = (!searched_any && position < range.len()).then(|| range.start + position);
@@ -219,7 +207,7 @@ impl<'a> Report<'a> {
         let mut derivatives = RowDVector::zeros(columns.len());
         (derivatives[coulomb], derivatives[viscous]) = (1.0, speed_rad_s);
         let deviation = deviation_of_sum(&self.robust.matrix, derivatives.as_slice());
-        let half = (critical * deviation).hypot(self.misfit.of_sum(&derivatives, deviation.powi(2)));
+        let half = self.misfit.half_width(&derivatives, critical * deviation, deviation.powi(2));
         let [name, with] = if column == coulomb { [coulomb, viscous] } else { [viscous, coulomb] }
             .map(|column| self.column_name(column).unwrap_or_default());
         Some(format!(

@@ -15,9 +15,6 @@ const LARGEST_DELAY_SAMPLES: f64 = 0.5;
 /// Standard errors by which a delay must differ from zero to be allowed for.
 const DELAY_SIGNIFICANCE: f64 = 4.5;
 
-/// A delay too long for a trim is told if it explains this share of the residual's sum of squares.
-const WORTH_A_NOTE: f64 = 0.25;
-
 /// A problem with everything settled: effects, searched parameters and the delay.
 pub(crate) struct Trimmed<'a> {
     pub(crate) problem: Problem<'a>,
@@ -30,17 +27,15 @@ pub(crate) struct Trimmed<'a> {
     pub(crate) curves: Option<CurveProjection>,
     /// Delay of the torque behind the motion that was allowed for, s.
     pub(crate) delay_s: f64,
-    /// Delay that the data ask for besides.
-    pub(crate) refused: Option<RefusedDelay>,
+    /// A delay that was not allowed for.
+    pub(crate) delay: Option<OmittedDelay>,
 }
 
-/// A delay that the data ask for although it is too long for a trim.
-pub(crate) struct RefusedDelay {
-    pub(crate) delay_s: f64,
+/// A delay that is too long for a trim, or not significant.
+pub(crate) struct OmittedDelay {
+    pub(super) delay_s: f64,
     /// Its column, per second of delay.
-    column: Column,
-    /// Whether it explains enough to be told.
-    pub(crate) is_worth_a_note: bool,
+    pub(super) column: Column,
 }
 
 /// Rows of torque and of every column.
@@ -53,7 +48,7 @@ impl<'a> Trimmed<'a> {
     /// The problem solved together with further columns, without a delay.
     fn with(problem: Problem<'a>, further: &[Column]) -> Self {
         let (columns, solution) = problem.solve_with(further);
-        Self { target: problem.target.clone(), problem, columns, solution, curves: None, delay_s: 0.0, refused: None }
+        Self { target: problem.target.clone(), problem, columns, solution, curves: None, delay_s: 0.0, delay: None }
     }
 
     /// The rows, together with those of samples that only another row filter has.
@@ -73,13 +68,6 @@ impl<'a> Trimmed<'a> {
             columns: self.columns.iter().zip(&columns).map(|(one, other)| sum(one, other)).collect(),
             target: sum(&self.problem.target, &target),
         }
-    }
-
-    /// The rows with a delay taken out that was too long for a trim.
-    pub(super) fn without_refused_delay(&self) -> Option<Rows> {
-        let RefusedDelay { delay_s, column, .. } = self.refused.as_ref()?;
-        let target = self.target.iter().zip(&**column).map(|(torque, value)| torque - delay_s * value).collect();
-        Some(Rows { columns: self.columns.clone(), target })
     }
 
     /// Solves again with what the points of measured curves can do left out of the other columns: the curves stay as they are, and how little
@@ -167,12 +155,8 @@ pub(super) fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed
         further.push(delay_rows);
         return Trimmed { delay_s, ..Trimmed::with(problem, &further) };
     }
-    let refused = RefusedDelay {
-        delay_s,
-        column: columns[delay_index].clone(),
-        is_worth_a_note: left(&extended) < (1.0 - WORTH_A_NOTE) * left(solution),
-    };
-    Trimmed { refused: significant.then_some(refused), ..Trimmed::with(problem, &tangents_alone) }
+    let omitted = OmittedDelay { delay_s, column: columns[delay_index].clone() };
+    Trimmed { delay: Some(omitted), ..Trimmed::with(problem, &tangents_alone) }
 }
 
 /// The problem as it is, without a delay.

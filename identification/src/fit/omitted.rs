@@ -1,0 +1,157 @@
+//! Estimates beside effects that the fit leaves out and many machines have.
+
+use dynamics::effects::friction;
+use nalgebra::{DMatrix, DVector};
+
+use super::misfit::Shift;
+use super::trimmed::Trimmed;
+use crate::numerics::vector::{self, dot};
+use crate::regression::gram::COLLINEAR;
+use crate::regression::least_squares::{LeastSquares, residual};
+use crate::regression::problem::{Column, Problem};
+use crate::uncertainty::statistics::rms;
+
+/// Speed within which friction near standstill differs from that beyond, as a share of the RMS speed.
+const FRICTION_SPEED: f64 = 0.2;
+/// Travel below which a weight is a constant torque and a bend, rad.
+const FAR_RAD: f64 = 1.0;
+
+/// Share of the residual's sum of squares from which on omitted effects are reported.
+const WORTH_A_NOTE: f64 = 0.25;
+
+/// Omitted effects that are alike.
+struct Group {
+    /// What they are, as a subject.
+    name: String,
+    columns: Vec<Omitted>,
+}
+
+/// A column of an omitted effect.
+struct Omitted {
+    column: Column,
+    /// Whether only the part of it counts that the model's own friction cannot do. The levels of that would else become those at the
+    /// beginning, at standstill or at another angle.
+    is_beyond_friction: bool,
+}
+
+/// Shifts of the estimates beside each group of effects and beside all of them, and a note on the group that explains most of the residual,
+/// if that is much. `robust` is the covariance of the fit.
+pub(super) fn shifts(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> (Vec<Shift>, Option<String>) {
+    let groups = groups(trimmed);
+    let beside = |group: &Group| group.columns.iter().filter_map(|omitted| Beside::of(omitted, trimmed)).collect();
+    let beside: Vec<Vec<Beside>> = groups.iter().map(beside).collect();
+    let solution = &trimmed.solution;
+    let each: Vec<Option<(Shift, f64)>> =
+        beside.iter().map(|group| shift(&group.iter().collect::<Vec<_>>(), solution, robust)).collect();
+    let shares = groups.iter().zip(&each).filter_map(|(group, shift)| Some((&group.name, shift.as_ref()?.1)));
+    let most = shares.max_by(|(_, one), (_, other)| one.total_cmp(other));
+    let note = most.filter(|(_, share)| *share > WORTH_A_NOTE).map(|(name, share)| {
+        format!(
+            "{name} would explain {:.0} % of what the model leaves; the intervals allow for it: diagnose the capture",
+            100.0 * share
+        )
+    });
+    let all = shift(&beside.iter().flatten().collect::<Vec<_>>(), solution, robust);
+    (each.into_iter().chain([all]).flatten().map(|(shift, _)| shift).collect(), note)
+}
+
+/// The omitted effects.
+fn groups(trimmed: &Trimmed<'_>) -> Vec<Group> {
+    let mut groups = Vec::new();
+    // A torque measured over the angle holds what these would.
+    if trimmed.curves.is_none() {
+        groups.extend(of_motion(trimmed));
+    }
+    groups.extend(trimmed.delay.iter().map(|delay| Group {
+        name: format!(
+            "a torque that comes {:.2} ms {} the motion",
+            1e3 * delay.delay_s.abs(),
+            if delay.delay_s > 0.0 { "after" } else { "before" }
+        ),
+        columns: vec![Omitted { column: delay.column.clone(), is_beyond_friction: false }],
+    }));
+    groups
+}
+
+/// Those that follow from the motion.
+fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
+    let Problem { motion, row_filter, .. } = &trimmed.problem;
+    let friction_speed_rad_s = FRICTION_SPEED * rms(&motion.velocity_rad_s);
+    let rows = row_filter.rows_of(9, |range, columns| {
+        let [sine, cosine, angle, eccentric_sine, eccentric_cosine, drift, friction_drift, slow, drag] = columns else {
+            return;
+        };
+        vector::sines(&motion.angle_rad[range.clone()], 1.0, sine, cosine);
+        for (place, at) in range.enumerate() {
+            let velocity_rad_s = motion.velocity_rad_s[at];
+            let sign = motion.at(at).velocity_sign();
+            angle[place] = motion.angle_rad[at];
+            (eccentric_sine[place], eccentric_cosine[place]) = (sign * sine[place], sign * cosine[place]);
+            drift[place] = motion.time_s[at] - motion.time_s[0];
+            friction_drift[place] = sign * drift[place];
+            slow[place] = sign / (1.0 + velocity_rad_s.abs() / friction_speed_rad_s);
+            drag[place] = velocity_rad_s * velocity_rad_s.abs();
+        }
+    });
+    let is_short_travel = vector::extent(&motion.angle_rad).is_none_or(|(low, high)| high - low < FAR_RAD);
+    let mut rows = rows.into_iter().map(Column::from);
+    let mut group = |name: &str, columns, is_beyond_friction| Group {
+        name: name.to_owned(),
+        columns: rows.by_ref().take(columns).map(|column| Omitted { column, is_beyond_friction }).collect(),
+    };
+    [
+        group("a torque over the angle, as of a weight or a spring,", 3, is_short_travel),
+        group("friction that differs over the angle", 2, true),
+        group("a torque or a friction that drifts", 2, true),
+        group("friction that is no straight line over the speed", 2, true),
+    ]
+}
+
+/// An omitted column beside those of the fit.
+struct Beside {
+    /// What the fit's columns cannot do of it.
+    rest: Vec<f64>,
+    /// Change of the fit's coefficients for one unit of its own.
+    change: DVector<f64>,
+}
+
+impl Beside {
+    /// `None` where the fit's columns can do nearly all of it.
+    fn of(
+        Omitted { column, is_beyond_friction }: &Omitted,
+        Trimmed { problem, columns, solution, .. }: &Trimmed<'_>,
+    ) -> Option<Self> {
+        let with_columns = DVector::from_iterator(columns.len(), columns.iter().map(|other| dot(other, column)));
+        let parts = &solution.inverse * &with_columns;
+        let rest = residual(columns, column, parts.as_slice());
+        if dot(&rest, &rest) <= COLLINEAR * dot(column, column) {
+            return None;
+        }
+        let mut change = -parts;
+        if *is_beyond_friction {
+            let effect = problem.effects.iter().position(|effect| effect.kind().name == friction::KIND.name)?;
+            let is_fitted = |index: &usize| solution.inverse[(*index, *index)] != 0.0;
+            let places: Vec<usize> = problem.range(effect).filter(is_fitted).collect();
+            let gram = DMatrix::from_fn(places.len(), places.len(), |row, other| {
+                dot(&columns[places[row]], &columns[places[other]])
+            });
+            let own = gram.cholesky()?.solve(&with_columns.select_rows(&places));
+            places.iter().zip(own.iter()).for_each(|(place, own)| change[*place] += own);
+        }
+        Some(Self { rest, change })
+    }
+}
+
+/// The shift of the estimates if the effects of a group are fitted too (Frisch and Waugh 1933), and the share of the residual's sum of
+/// squares that they explain; `None` for no effects.
+fn shift(group: &[&Beside], solution: &LeastSquares, robust: &DMatrix<f64>) -> Option<(Shift, f64)> {
+    let rests: Vec<&[f64]> = group.iter().map(|beside| &*beside.rest).collect();
+    let changes: Vec<DVector<f64>> = group.iter().map(|beside| beside.change.clone()).collect();
+    let changes = (!changes.is_empty()).then(|| DMatrix::from_columns(&changes))?;
+    let fitted = LeastSquares::solve(&rests, &solution.residual);
+    let covariance = robust + &changes * fitted.robust_of_points(&rests, rests.len()) * changes.transpose();
+    let squares = |solution: &LeastSquares| dot(&solution.residual, &solution.residual);
+    let share = 1.0 - squares(&fitted) / squares(solution).max(f64::MIN_POSITIVE);
+    let change = changes * DVector::from_vec(fitted.coefficients);
+    Some((Shift { change, covariance, is_of_better_model: true }, share))
+}
