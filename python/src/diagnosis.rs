@@ -104,6 +104,7 @@ pub(crate) fn diagnose(
     }
     let model = model.map(|(_, model)| model);
     let found = py.detach(|| watched(&train, heldout.as_deref(), model, progress.as_ref()))?;
+    let (train, heldout) = found.in_their_roles(train, heldout);
     Ok(Diagnosis { found, train, heldout })
 }
 

@@ -71,6 +71,9 @@ pub struct Diagnosis {
     pub next_experiment: Option<NextExperiment>,
     /// Whether the held-out samples are stretches of the training capture, which is weaker evidence.
     pub heldout_is_own: bool,
+    /// Whether the capture given as held-out was trained on, and the training capture held out.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub captures_are_exchanged: bool,
     /// Upper edge of the comparison, Hz.
     pub band_hz: f64,
     /// What a reader of the numbers should know.
@@ -89,6 +92,16 @@ pub struct Diagnosis {
     /// Rows of both captures for plots.
     #[serde(skip)]
     pub rows: [Vec<Row>; 2],
+}
+
+impl Diagnosis {
+    /// The capture that was trained on, and the one held out, of those given as such.
+    pub fn in_their_roles<T>(&self, train: T, heldout: Option<T>) -> (T, Option<T>) {
+        match heldout {
+            Some(heldout) if self.captures_are_exchanged => (heldout, Some(train)),
+            heldout => (train, heldout),
+        }
+    }
 }
 
 /// How well the held-out motion follows from the torque commanded from the rig's motor.

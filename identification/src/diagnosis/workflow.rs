@@ -63,11 +63,42 @@ pub enum Progress {
 /// Finds what a model lacks: names the missing effects, or says that nothing is missing, or that something is missing
 /// which no effect of the catalogue explains.
 ///
-/// Without a held-out capture, stretches of the training capture are held out, which is weaker evidence.
+/// Without a held-out capture, stretches of the training capture are held out, which is weaker evidence. Where something is missing that has no
+/// name, the training capture's motion may tell too little of it to predict the other one: the captures are exchanged, if that names it
+/// ([`Diagnosis::captures_are_exchanged`]).
 ///
 /// # Errors
 /// [`DiagnosisError`] where no verdict would be worth anything.
 pub fn diagnose(
+    train: &Samples<'_>,
+    heldout: Option<&Samples<'_>>,
+    options: &DiagnoseOptions<'_>,
+) -> Result<Diagnosis, DiagnosisError> {
+    let found = diagnose_as_given(train, heldout, options)?;
+    let has_no_name = found.verdict == Verdict::OutsideLibrary && found.effects.is_empty();
+    let Some(heldout) = heldout.filter(|_| has_no_name) else { return Ok(found) };
+    let commanded = options.commanded.map(CommandedTorque::exchanged);
+    let exchanged = DiagnoseOptions {
+        calibration: options.calibration.clone(),
+        model: options.model.clone(),
+        commanded,
+        ..*options
+    };
+    Ok(match diagnose_as_given(heldout, Some(train), &exchanged) {
+        Ok(mut exchanged) if !exchanged.effects.is_empty() => {
+            exchanged.captures_are_exchanged = true;
+            exchanged.notes.insert(0, EXCHANGED.to_owned());
+            exchanged
+        }
+        _ => found,
+    })
+}
+
+/// What is said where the captures were exchanged.
+const EXCHANGED: &str = "the captures were exchanged: the held-out one was trained on, and the training one, whose motion tells too little of \
+                         what is missing, was held out";
+
+fn diagnose_as_given(
     train: &Samples<'_>,
     heldout: Option<&Samples<'_>>,
     options: &DiagnoseOptions<'_>,

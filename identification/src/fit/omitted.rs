@@ -6,7 +6,6 @@ use nalgebra::{DMatrix, DVector};
 use super::misfit::Shift;
 use super::trimmed::Trimmed;
 use crate::numerics::vector::{self, dot};
-use crate::regression::gram::COLLINEAR;
 use crate::regression::least_squares::{LeastSquares, residual};
 use crate::regression::problem::{Column, Problem};
 use crate::uncertainty::statistics::rms;
@@ -16,6 +15,9 @@ const FRICTION_SPEED: f64 = 0.2;
 /// Travel below which a weight is a constant torque and a bend, rad.
 const FAR_RAD: f64 = 1.0;
 
+/// Share of an omitted column that must be beyond all columns of the fit: of less much may be the noise of the motion, as where a sinusoidal
+/// sweep makes angle and acceleration alike.
+const INSEPARABLE: f64 = 1e-2;
 /// Share of the residual's sum of squares from which on omitted effects are reported.
 const WORTH_A_NOTE: f64 = 0.25;
 
@@ -116,27 +118,26 @@ struct Beside {
 }
 
 impl Beside {
-    /// `None` where the fit's columns can do nearly all of it.
-    fn of(
-        Omitted { column, is_beyond_friction }: &Omitted,
-        Trimmed { problem, columns, solution, .. }: &Trimmed<'_>,
-    ) -> Option<Self> {
+    /// `None` where the fit's columns can do nearly all that friction cannot do of it.
+    fn of(omitted: &Omitted, Trimmed { problem, columns, solution, .. }: &Trimmed<'_>) -> Option<Self> {
+        let Omitted { column, is_beyond_friction } = omitted;
+        let effect = problem.effects.iter().position(|effect| effect.kind().name == friction::KIND.name)?;
+        let is_fitted = |index: &usize| solution.inverse[(*index, *index)] != 0.0;
+        let friction: Vec<usize> = problem.range(effect).filter(is_fitted).collect();
+        let product = |row: usize, other: usize| dot(&columns[friction[row]], &columns[friction[other]]);
+        let gram = DMatrix::from_fn(friction.len(), friction.len(), product).cholesky()?;
         let with_columns = DVector::from_iterator(columns.len(), columns.iter().map(|other| dot(other, column)));
+        let with_friction = with_columns.select_rows(&friction);
+        let of_friction = gram.solve(&with_friction);
         let parts = &solution.inverse * &with_columns;
         let rest = residual(columns, column, parts.as_slice());
-        if dot(&rest, &rest) <= COLLINEAR * dot(column, column) {
+        let beyond_friction = dot(column, column) - of_friction.dot(&with_friction);
+        if dot(&rest, &rest) <= INSEPARABLE * beyond_friction {
             return None;
         }
         let mut change = -parts;
         if *is_beyond_friction {
-            let effect = problem.effects.iter().position(|effect| effect.kind().name == friction::KIND.name)?;
-            let is_fitted = |index: &usize| solution.inverse[(*index, *index)] != 0.0;
-            let places: Vec<usize> = problem.range(effect).filter(is_fitted).collect();
-            let gram = DMatrix::from_fn(places.len(), places.len(), |row, other| {
-                dot(&columns[places[row]], &columns[places[other]])
-            });
-            let own = gram.cholesky()?.solve(&with_columns.select_rows(&places));
-            places.iter().zip(own.iter()).for_each(|(place, own)| change[*place] += own);
+            friction.iter().zip(of_friction.iter()).for_each(|(place, part)| change[*place] += part);
         }
         Some(Self { rest, change })
     }

@@ -22,6 +22,7 @@ mod invariance;
 mod made_over;
 mod measured_axis;
 mod noisy_acceleration;
+mod omitted_effects;
 mod one_by_one;
 mod paper_table_2;
 mod row_order;

@@ -50,11 +50,12 @@ pub fn run(options: &DiagnoseOptions) -> anyhow::Result<()> {
     }
     let found = with_progress(|progress| Ok(analysis::diagnose(&train, heldout.as_ref(), model, Some(progress))?))?;
     show_on(train.capture.axis, diagnosis_text::lines(&found));
-    write_if_asked(&options.out, kind::DIAGNOSED_MODEL, || diagnosed_model(&found, &train).to_toml())?;
+    let (trained, _) = found.in_their_roles(&train, heldout.as_ref());
+    write_if_asked(&options.out, kind::DIAGNOSED_MODEL, || diagnosed_model(&found, trained).to_toml())?;
     write_results(&options.results, &options.recording, &found, &train, heldout.as_ref())
 }
 
-/// Writes a diagnosis as JSON, as a page and as a rerun file, what of them was asked for.
+/// Writes a diagnosis of the captures given as training and held-out as JSON, as a page and as a rerun file, what of them was asked for.
 pub fn write_results(
     results: &ResultFiles,
     recording: &Option<PathBuf>,
@@ -62,6 +63,7 @@ pub fn write_results(
     train: &LoadedCapture,
     heldout: Option<&LoadedCapture>,
 ) -> anyhow::Result<()> {
+    let (train, heldout) = found.in_their_roles(train, heldout);
     let page = DiagnosisPage { found, train: analysis::facts(train), heldout: heldout.map(analysis::facts) };
     let result = |figures| DiagnosisResult::of(&page, figures);
     results.write(train.capture.axis, || report::diagnosis_page_with_numbers(&page), result)?;

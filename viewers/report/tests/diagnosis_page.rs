@@ -106,6 +106,7 @@ fn spring() -> Diagnosis {
             reason: "there they differ".to_owned(),
         }),
         heldout_is_own: false,
+        captures_are_exchanged: false,
         band_hz: 183.0,
         notes: vec!["the knob was warm".to_owned()],
         model: Model {

@@ -16,7 +16,7 @@ use rand_xoshiro::rand_core::SeedableRng as _;
 
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::derivative::gradient;
-use crate::numerics::vector::{dot, smallest_step};
+use crate::numerics::vector::{dot, smallest_step, subtract};
 use crate::options::AccelerationUse;
 use crate::preparation::band::Band;
 use crate::preparation::filter::Fir;
@@ -104,6 +104,14 @@ pub(crate) struct Capture {
 }
 
 impl Capture {
+    /// Takes out of rows what says nothing about a model here.
+    pub(crate) fn leave_undetermined_out(&self, rows: &mut [f64]) {
+        for open in &self.undetermined {
+            let share = dot(open, rows);
+            subtract(rows, share, open);
+        }
+    }
+
     /// Prepares samples that are to be compared in a band no wider than `edge_hz`.
     pub(crate) fn of(
         samples: &Samples<'_>,

@@ -247,8 +247,17 @@ impl<'a> Nonlinear<'a> {
         Err(Ended::NoStepImproves)
     }
 
+    /// The step that takes each value to its lower bound; infinite where it has none.
+    pub(crate) fn lowest_steps(&self) -> Vec<f64> {
+        let lowest = |value: &FreeValue| match value.logarithmic {
+            true => f64::NEG_INFINITY,
+            false => (value.least - self.structure.get(value.searched)) / value.scale,
+        };
+        self.values.iter().map(lowest).collect()
+    }
+
     /// The structure with every value moved by a step in units of its scale.
-    fn moved(&self, step: &[f64]) -> Structure {
+    pub(crate) fn moved(&self, step: &[f64]) -> Structure {
         let mut moved = self.structure.clone();
         for (value, step) in self.values.iter().zip(step) {
             let now = moved.get(value.searched);

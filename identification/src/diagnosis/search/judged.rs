@@ -6,8 +6,8 @@ use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::nonlinear::{self, Nonlinear};
 use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::numerics::vector::{dot, subtract};
-use crate::regression::least_squares::LeastSquares;
+use crate::numerics::vector::dot;
+use crate::regression::least_squares::{LeastSquares, residual};
 use crate::uncertainty::statistics::{mean_over_error, student_above};
 
 /// Stretches over which a comparison of two structures is repeated.
@@ -71,6 +71,33 @@ impl Judged {
     /// The same judged by another held-out capture.
     pub(crate) fn judged_by(&self, train: &Capture, heldout: &Capture) -> Self {
         Self::of(self.structure.clone(), self.train_residual.clone(), train, heldout)
+    }
+
+    /// Evidence of the same effects with values fitted to both captures, by one Gauss–Newton step from those of the training capture, which may
+    /// leave open what the other one shows. A structure with coupled bodies is taken as it is.
+    pub(crate) fn evidence_fitted_to_both(&self, train: &Capture, heldout: &Capture) -> f64 {
+        if self.structure.is_coupled() {
+            return self.evidence;
+        }
+        let fits = [train, heldout].map(|capture| Nonlinear::new(self.structure.clone(), capture));
+        let [of_train, mut of_heldout] = fits.each_ref().map(Nonlinear::secants);
+        of_heldout.iter_mut().for_each(|column| heldout.leave_undetermined_out(column));
+        let [train_floor, heldout_floor] = self.floors_mnm();
+        let joined = |train: &[f64], heldout: &[f64]| -> Vec<f64> {
+            let train = train.iter().map(|value| value / train_floor);
+            train.chain(heldout.iter().map(|value| value / heldout_floor)).collect()
+        };
+        let columns: Vec<Vec<f64>> =
+            of_train.iter().zip(&of_heldout).map(|(train, heldout)| joined(train, heldout)).collect();
+        let target = joined(&self.train_residual, &self.heldout_residual);
+        let lowest = fits[0].lowest_steps();
+        let is_bounded: Vec<bool> = lowest.iter().map(|step| step.is_finite()).collect();
+        let lowest: Vec<f64> = lowest.iter().map(|step| if step.is_finite() { *step } else { 0.0 }).collect();
+        let above = LeastSquares::corrected(&columns, &residual(&columns, &target, &lowest), &is_bounded, &[]);
+        let step: Vec<f64> = above.coefficients.iter().zip(&lowest).map(|(above, lowest)| above + lowest).collect();
+        let moved = fits[0].moved(&step);
+        let train_residual = nonlinear::residual(&moved, train);
+        Self::of(moved, train_residual, train, heldout).evidence.max(self.evidence)
     }
 
     /// The same as what another structure leaves, which it is equal to.
@@ -198,10 +225,7 @@ fn stretches(before: &[f64], after: &[f64]) -> Vec<f64> {
 /// fitted anew.
 fn residual_elsewhere(structure: &Structure, capture: &Capture) -> Vec<f64> {
     let mut left = residual_as_fitted(structure, capture);
-    for open in &capture.undetermined {
-        let share = dot(open, &left);
-        subtract(&mut left, share, open);
-    }
+    capture.leave_undetermined_out(&mut left);
     left
 }
 

@@ -321,6 +321,13 @@ impl<'a> Search<'a> {
         self.disqualified(after).is_none()
             && worthwhile(before, after, &found.chain[0], self.heldout)
             && (!self.is_nothing(after) || explains_surely(before, after))
+            && self.is_better_than_other_values(before, after)
+    }
+
+    /// Whether an effect more explains both captures better than the effects before would with other values: the training capture may leave
+    /// these open.
+    fn is_better_than_other_values(&self, before: &Judged, after: &Judged) -> bool {
+        after.evidence > before.evidence_fitted_to_both(self.train, self.heldout) + EVIDENCE
     }
 
     /// The effect that predicts the held-out capture best among those that are a part of a gap too large for any of them
@@ -338,6 +345,7 @@ impl<'a> Search<'a> {
                 && self.disqualified(judged).is_none()
                 && judged.heldout_rms_mnm < self.null_test_rms_mnm(judged.newest(), current, judged)
                 && !self.is_nothing(judged)
+                && self.is_better_than_other_values(current, judged)
         };
         (0..tried.len())
             .filter(is_discovery)

@@ -25,6 +25,14 @@ pub struct CommandedTorque<'a> {
     pub heldout_t_s: &'a [f64],
 }
 
+impl CommandedTorque<'_> {
+    /// The same with the captures exchanged.
+    pub(crate) fn exchanged(self) -> Self {
+        let Self { train, train_t_s, heldout, heldout_t_s } = self;
+        Self { train: heldout, train_t_s: heldout_t_s, heldout: train, heldout_t_s: train_t_s }
+    }
+}
+
 /// Errors of the held-out motion predicted from the command, with each model of `chain`; else why there are none.
 pub(crate) fn forward(
     chain: &[Model],

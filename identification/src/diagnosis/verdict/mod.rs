@@ -163,6 +163,7 @@ impl Search<'_> {
             where_after: locate(&last.train_residual, &last.structure, self.train),
             next_experiment,
             heldout_is_own,
+            captures_are_exchanged: false,
             band_hz: self.train.band.edge_hz,
             notes: Vec::new(),
             model: self.knob(&last.structure),
