@@ -9,7 +9,8 @@ use serde::Serialize;
 use crate::error::same_axis;
 use crate::{AnalysisError, title};
 
-/// Finds what a model lacks, with all that is known of the rig; without a model that of inertia, friction and detents.
+/// Finds what a model lacks, with all that is known of the rig; without a model that of inertia, friction and detents. The captures are
+/// exchanged where that names what has no name otherwise.
 ///
 /// # Errors
 /// [`AnalysisError`], why there can be no meaningful verdict, in one sentence.
@@ -19,20 +20,34 @@ pub fn diagnose(
     model: Option<Model>,
     progress: Option<&(dyn Fn(Progress) + Sync)>,
 ) -> Result<Diagnosis, AnalysisError> {
-    diagnose_within(None, train, heldout, model, progress)
+    let samples = heldout.map(LoadedCapture::samples);
+    let options = options(None, train, heldout, model, progress)?;
+    Ok(diagnosis::diagnose_either_way(&train.samples(), samples.as_ref(), &options)?)
 }
 
-/// The same, with the largest distance from the start to which the next experiment may move the control, rad.
+/// The same with captures that keep their roles, and the largest distance from the start to which the next experiment may move the control,
+/// rad.
 ///
 /// # Errors
 /// As [`diagnose`].
-pub fn diagnose_within(
+pub fn diagnose_in_these_roles(
     reach_rad: Option<f64>,
     train: &LoadedCapture,
-    heldout: Option<&LoadedCapture>,
+    heldout: &LoadedCapture,
     model: Option<Model>,
     progress: Option<&(dyn Fn(Progress) + Sync)>,
 ) -> Result<Diagnosis, AnalysisError> {
+    let options = options(reach_rad, train, Some(heldout), model, progress)?;
+    Ok(diagnosis::diagnose(&train.samples(), Some(&heldout.samples()), &options)?)
+}
+
+fn options<'a>(
+    reach_rad: Option<f64>,
+    train: &'a LoadedCapture,
+    heldout: Option<&'a LoadedCapture>,
+    model: Option<Model>,
+    progress: Option<&'a (dyn Fn(Progress) + Sync)>,
+) -> Result<DiagnoseOptions<'a>, AnalysisError> {
     model.iter().try_for_each(|model| same_axis(model, train))?;
     let judge = heldout.unwrap_or(train);
     let commanded = train.commanded_torque_mnm().zip(judge.commanded_torque_mnm());
@@ -43,9 +58,7 @@ pub fn diagnose_within(
         heldout_t_s: &judge.capture.t_s,
     });
     let calibration = train.calibration.clone();
-    let asked = DiagnoseOptions { calibration, axis: train.capture.axis, model, commanded, progress, reach_rad };
-    let samples = heldout.map(LoadedCapture::samples);
-    Ok(diagnosis::diagnose(&train.samples(), samples.as_ref(), &asked)?)
+    Ok(DiagnoseOptions { calibration, axis: train.capture.axis, model, commanded, progress, reach_rad })
 }
 
 /// Refuses a model that a diagnosis cannot start from, under the name that its owner knows it by.

@@ -23,7 +23,7 @@ mod studies;
 pub use calibration::CalibrationKind;
 pub use check::{Check, CheckedQuantity, LostMotionError, Shown, Threshold};
 pub use comparison::Comparing;
-pub use diagnosis::{DiagnosisResult, diagnose, diagnose_within, diagnosed_model, refuse_drawn};
+pub use diagnosis::{DiagnosisResult, diagnose, diagnose_in_these_roles, diagnosed_model, refuse_drawn};
 pub use error::AnalysisError;
 pub use facts::{facts, fit_page, title};
 pub use fit::{AverageResult, FitResult, common_truth, fit, fit_options, fit_with, mean_fit, titles};

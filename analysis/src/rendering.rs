@@ -11,7 +11,7 @@ use loaded_capture::LoadedCapture;
 use report::{AddedByRendering, HeldStill, LostMotion, RenderedParameter, Rendering, RenderingLimits, true_value};
 
 use crate::check::Threshold;
-use crate::{AnalysisError, along_motion, diagnose, facts, fit_options, torque_at_knob};
+use crate::{AnalysisError, along_motion, diagnose_in_these_roles, facts, fit_options, torque_at_knob};
 
 const LIMITS: RenderingLimits =
     RenderingLimits { difference_percent: 2.0, static_difference_percent: 5.0, torque_error_percent: 5.0 };
@@ -142,7 +142,7 @@ fn two_bodies(model: &Model, captures: &RenderedCaptures) -> Result<Rendering, A
 
 /// A diagnosis of the rendered knob that starts from a model.
 fn diagnosed(model: &Model, captures: &RenderedCaptures) -> Result<Diagnosis, AnalysisError> {
-    diagnose(&captures.train, Some(&captures.heldout), Some(model.clone()), None)
+    diagnose_in_these_roles(None, &captures.train, &captures.heldout, Some(model.clone()), None)
 }
 
 /// What a diagnosis that starts from the intended model found.

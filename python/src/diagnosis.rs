@@ -186,6 +186,12 @@ impl Diagnosis {
         self.found.complete
     }
 
+    /// Whether `heldout` was trained on and `train` held out, since what is missing could be named so only.
+    #[getter]
+    fn captures_are_exchanged(&self) -> bool {
+        self.found.captures_are_exchanged
+    }
+
     /// The effects that were added, strongest first.
     #[getter]
     fn effects(&self) -> Vec<&'static str> {

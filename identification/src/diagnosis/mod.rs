@@ -19,4 +19,4 @@ pub use findings::{
 pub use verdict::FORWARD_WINDOW_S;
 pub use verdict::commanded::CommandedTorque;
 pub use verdict::locate::Location;
-pub use workflow::{DiagnoseOptions, Progress, diagnose};
+pub use workflow::{DiagnoseOptions, Progress, diagnose, diagnose_either_way};

@@ -23,7 +23,7 @@ const NARROWEST_HZ: f64 = 8.0;
 const MOST_ROUNDS: usize = 3;
 
 /// What a diagnosis may be told; nothing need be.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct DiagnoseOptions<'a> {
     /// What is known of the rig.
     pub calibration: Option<Calibration>,
@@ -60,34 +60,25 @@ pub enum Progress {
     },
 }
 
-/// Finds what a model lacks: names the missing effects, or says that nothing is missing, or that something is missing
-/// which no effect of the catalogue explains.
-///
-/// Without a held-out capture, stretches of the training capture are held out, which is weaker evidence. Where something is missing that has no
-/// name, the training capture's motion may tell too little of it to predict the other one: the captures are exchanged, if that names it
-/// ([`Diagnosis::captures_are_exchanged`]).
+/// [`diagnose`], and once more with the captures exchanged where something is missing that has no name: the training capture's motion may tell
+/// too little of it to predict the other one. If that adds an effect, it is the answer ([`Diagnosis::captures_are_exchanged`]).
 ///
 /// # Errors
-/// [`DiagnosisError`] where no verdict would be worth anything.
-pub fn diagnose(
+/// As [`diagnose`].
+pub fn diagnose_either_way(
     train: &Samples<'_>,
     heldout: Option<&Samples<'_>>,
     options: &DiagnoseOptions<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
-    let found = diagnose_as_given(train, heldout, options)?;
+    let found = diagnose(train, heldout, options)?;
     let has_no_name = found.verdict == Verdict::OutsideLibrary && found.effects.is_empty();
     let Some(heldout) = heldout.filter(|_| has_no_name) else { return Ok(found) };
     let commanded = options.commanded.map(CommandedTorque::exchanged);
-    let exchanged = DiagnoseOptions {
-        calibration: options.calibration.clone(),
-        model: options.model.clone(),
-        commanded,
-        ..*options
-    };
-    Ok(match diagnose_as_given(heldout, Some(train), &exchanged) {
+    let exchanged = DiagnoseOptions { commanded, ..options.clone() };
+    Ok(match diagnose(heldout, Some(train), &exchanged) {
         Ok(mut exchanged) if !exchanged.effects.is_empty() => {
             exchanged.captures_are_exchanged = true;
-            exchanged.notes.insert(0, EXCHANGED.to_owned());
+            exchanged.summary.push_str(EXCHANGED);
             exchanged
         }
         _ => found,
@@ -95,10 +86,17 @@ pub fn diagnose(
 }
 
 /// What is said where the captures were exchanged.
-const EXCHANGED: &str = "the captures were exchanged: the held-out one was trained on, and the training one, whose motion tells too little of \
-                         what is missing, was held out";
+const EXCHANGED: &str = " The captures were exchanged: models were fitted to the one given as held-out and judged by the other one, whose motion \
+                         tells too little of what is missing.";
 
-fn diagnose_as_given(
+/// Finds what a model lacks: names the missing effects, or says that nothing is missing, or that something is missing
+/// which no effect of the catalogue explains.
+///
+/// Without a held-out capture, stretches of the training capture are held out, which is weaker evidence.
+///
+/// # Errors
+/// [`DiagnosisError`] where no verdict would be worth anything.
+pub fn diagnose(
     train: &Samples<'_>,
     heldout: Option<&Samples<'_>>,
     options: &DiagnoseOptions<'_>,

@@ -1,4 +1,4 @@
-//! How far estimates move from fit to fit of which a right model would make the same.
+//! How far the estimates move between fits that would agree if the model were right.
 //!
 //! An interval for residuals that are correlated holds if the model is right. On a real machine it seldom is: a weight, a spring,
 //! friction that rises from near zero speed, a torque that is late, a band in which something rings. The parameters then depend on
@@ -21,7 +21,7 @@ const NARROWER: f64 = 0.5;
 const EVERY: usize = 2;
 /// A difference of two estimates is known at best to this share of the second one's variance.
 const LEAST_VARIANCE: f64 = 0.25;
-/// Standard deviations of the other estimate beyond which the truth lies in one of twenty cases, to one side.
+/// One-sided 95 % of the normal distribution, in standard deviations.
 const ONE_SIDED_95: f64 = 1.645;
 
 /// Other estimates of the same parameters, as their differences from the fit.
@@ -106,15 +106,16 @@ impl Misfit {
         Self { others: shifts.into_iter().flatten().chain(beside_omitted).collect(), unbounded, note }
     }
 
-    /// Half width of a 95 % interval of Σ `derivatives`ⱼ·coefficientⱼ that by chance alone would be `by_chance`, of the variance
-    /// `fitted`.
+    /// Half width of the 95 % interval of Σ `derivatives`ⱼ·coefficientⱼ, of which the fit alone gives the half width `by_chance` and the
+    /// variance `fitted`.
     pub(crate) fn half_width(&self, derivatives: &RowDVector<f64>, by_chance: f64, fitted: f64) -> f64 {
         let beyond = self.others.iter().map(|Shift { change, covariance, is_of_better_model }| {
             let other = (derivatives * covariance).dot(derivatives);
             // Hausman's variance of the difference.
             let chance = (other - fitted).max(LEAST_VARIANCE * other);
             let beyond = (derivatives.transpose().dot(change).powi(2) - NORMAL_95.powi(2) * chance).max(0.0).sqrt();
-            // Of a better model the truth is about where the other estimate is: the square of their sum, but nothing where there is no shift.
+            // The truth lies near a better model's estimate: the interval also covers that estimate's own uncertainty, but only if there is a
+            // shift.
             let about = if *is_of_better_model { ONE_SIDED_95 * other.sqrt() } else { 0.0 };
             beyond * (beyond + 2.0 * about)
         });

@@ -10,13 +10,13 @@ use crate::regression::least_squares::{LeastSquares, residual};
 use crate::regression::problem::{Column, Problem};
 use crate::uncertainty::statistics::rms;
 
-/// Speed within which friction near standstill differs from that beyond, as a share of the RMS speed.
+/// Speed within which friction near standstill differs from that beyond, as a share of the sliding knob's RMS speed.
 const FRICTION_SPEED: f64 = 0.2;
-/// Travel below which a weight is a constant torque and a bend, rad.
+/// Travel below which a weight looks like a constant torque with a slight bend, rad.
 const FAR_RAD: f64 = 1.0;
 
-/// Share of an omitted column that must be beyond all columns of the fit: of less much may be the noise of the motion, as where a sinusoidal
-/// sweep makes angle and acceleration alike.
+/// Least share of an omitted column's square that the fit's columns must leave: a smaller rest may be noise of the motion, as where a
+/// sinusoidal sweep makes angle and acceleration alike.
 const INSEPARABLE: f64 = 1e-2;
 /// Share of the residual's sum of squares from which on omitted effects are reported.
 const WORTH_A_NOTE: f64 = 0.25;
@@ -31,8 +31,8 @@ struct Group {
 /// A column of an omitted effect.
 struct Omitted {
     column: Column,
-    /// Whether only the part of it counts that the model's own friction cannot do. The levels of that would else become those at the
-    /// beginning, at standstill or at another angle.
+    /// Whether only the part beyond the model's own friction counts; otherwise the levels of friction would be those at the start, at
+    /// standstill or at one angle.
     is_beyond_friction: bool,
 }
 
@@ -49,7 +49,7 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> (Vec<Shift
     let most = shares.max_by(|(_, one), (_, other)| one.total_cmp(other));
     let note = most.filter(|(_, share)| *share > WORTH_A_NOTE).map(|(name, share)| {
         format!(
-            "{name} would explain {:.0} % of what the model leaves; the intervals allow for it: diagnose the capture",
+            "{name} would explain {:.0} % of what the model leaves, and the intervals allow for that; diagnose the capture to name it",
             100.0 * share
         )
     });
@@ -78,7 +78,12 @@ fn groups(trimmed: &Trimmed<'_>) -> Vec<Group> {
 /// Those that follow from the motion.
 fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
     let Problem { motion, row_filter, .. } = &trimmed.problem;
-    let friction_speed_rad_s = FRICTION_SPEED * rms(&motion.velocity_rad_s);
+    let sliding_rad_s: Vec<f64> =
+        motion.velocity_rad_s.iter().zip(&row_filter.mask).filter(|(_, mask)| **mask > 0.0).map(|(v, _)| *v).collect();
+    let friction_speed_rad_s = FRICTION_SPEED * rms(&sliding_rad_s);
+    let (low_rad, high_rad) = vector::extent_where(&motion.angle_rad, &row_filter.mask).unwrap_or((0.0, 0.0));
+    let is_short_travel = high_rad - low_rad < FAR_RAD;
+    let middle_rad = 0.5 * (low_rad + high_rad);
     let rows = row_filter.rows_of(9, |range, columns| {
         let [sine, cosine, angle, eccentric_sine, eccentric_cosine, drift, friction_drift, slow, drag] = columns else {
             return;
@@ -87,7 +92,7 @@ fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
         for (place, at) in range.enumerate() {
             let velocity_rad_s = motion.velocity_rad_s[at];
             let sign = motion.at(at).velocity_sign();
-            angle[place] = motion.angle_rad[at];
+            angle[place] = motion.angle_rad[at] - middle_rad;
             (eccentric_sine[place], eccentric_cosine[place]) = (sign * sine[place], sign * cosine[place]);
             drift[place] = motion.time_s[at] - motion.time_s[0];
             friction_drift[place] = sign * drift[place];
@@ -95,7 +100,6 @@ fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
             drag[place] = velocity_rad_s * velocity_rad_s.abs();
         }
     });
-    let is_short_travel = vector::extent(&motion.angle_rad).is_none_or(|(low, high)| high - low < FAR_RAD);
     let mut rows = rows.into_iter().map(Column::from);
     let mut group = |name: &str, columns, is_beyond_friction| Group {
         name: name.to_owned(),
@@ -104,8 +108,8 @@ fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
     [
         group("a torque over the angle, as of a weight or a spring,", 3, is_short_travel),
         group("friction that differs over the angle", 2, true),
-        group("a torque or a friction that drifts", 2, true),
-        group("friction that is no straight line over the speed", 2, true),
+        group("torque or friction that drifts", 2, true),
+        group("friction that is not linear in the speed", 2, true),
     ]
 }
 
@@ -118,7 +122,7 @@ struct Beside {
 }
 
 impl Beside {
-    /// `None` where the fit's columns can do nearly all that friction cannot do of it.
+    /// `None` where the fit's columns explain nearly all that friction leaves of it.
     fn of(omitted: &Omitted, Trimmed { problem, columns, solution, .. }: &Trimmed<'_>) -> Option<Self> {
         let Omitted { column, is_beyond_friction } = omitted;
         let effect = problem.effects.iter().position(|effect| effect.kind().name == friction::KIND.name)?;

@@ -131,7 +131,8 @@ impl<'a> Report<'a> {
             let reason = linear.and_then(|column| {
                 self.at_one_speed(column, critical)
                     .or_else(|| self.beside_a_load(column, kind.name, critical))
-                    .or_else(|| self.why_not_identifiable(column, kind.name, half))
+                    .or_else(|| self.why_not_identifiable(column, kind.name, by_chance))
+                    .or_else(|| self.beside_what_is_omitted(column, kind.name, half))
             });
             if let Some(reason) = reason {
                 return (Parameter::not_identifiable(kind, reason), None);
@@ -282,6 +283,16 @@ impl<'a> Report<'a> {
                  wider or longer",
                 plus_minus(solution.coefficients[column], half),
                 half * rms(&used) / torque
+            )
+        })
+    }
+
+    /// Why a parameter that by chance alone would be known is not, beside what the model lacks.
+    fn beside_what_is_omitted(&self, column: usize, name: &str, half: f64) -> Option<String> {
+        self.why_not_identifiable(column, name, half).map(|_| {
+            format!(
+                "{name} depends on what the model lacks: beside that its 95 % interval is {}; diagnose the capture",
+                plus_minus(self.trimmed.solution.coefficients[column], half)
             )
         })
     }

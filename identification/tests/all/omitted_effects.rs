@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use crate::common::{Capture, Uniform};
-use identification::diagnosis::{DiagnoseOptions, Diagnosis, diagnose};
+use identification::diagnosis::{DiagnoseOptions, Diagnosis, diagnose, diagnose_either_way};
 use identification::{Fit, FitOptions, fit};
 
 const RATE_HZ: f64 = 500.0;
@@ -79,8 +79,10 @@ fn fitted(capture: &Capture) -> Fit {
     fit(&capture.samples(), &FitOptions::default()).unwrap()
 }
 
-fn holds(fit: &Fit, name: &str, truth: f64) -> bool {
-    fit.parameters.get(name).unwrap().ci95.is_none_or(|[low, high]| (low..=high).contains(&truth))
+/// Whether an interval no wider than a multiple of the truth holds it.
+fn holds(fit: &Fit, name: &str, truth: f64, widest: f64) -> bool {
+    let interval = fit.parameters.get(name).unwrap().ci95;
+    interval.is_some_and(|[low, high]| (low..=high).contains(&truth) && high - low < widest * truth)
 }
 
 #[test]
@@ -89,18 +91,18 @@ fn intervals_hold_the_inertia_whatever_the_model_lacks() {
         ("nothing", 0.0, nothing, ""),
         ("weight", 0.0, weight, "a weight or a spring"),
         ("spring", 0.0, spring, "a weight or a spring"),
-        ("drifting friction", 0.0, drifting_friction, "a friction that drifts"),
-        ("rising friction", 0.0, rising_friction, "no straight line over the speed"),
+        ("drifting friction", 0.0, drifting_friction, "friction that drifts"),
+        ("rising friction", 0.0, rising_friction, "not linear in the speed"),
         ("eccentric friction", 0.0, eccentric_friction, "friction that differs over the angle"),
         ("late torque", 3.0 / RATE_HZ, nothing, "ms after the motion"),
     ];
     for (name, late_s, besides, words) in cases {
         let fits: Vec<Fit> = (1..=CAPTURES).map(|seed| fitted(&captured(seed, SWEEP_HZ, late_s, besides))).collect();
-        let held = fits.iter().filter(|fit| holds(fit, "inertia", INERTIA)).count();
+        let held = fits.iter().filter(|fit| holds(fit, "inertia", INERTIA, 0.8)).count();
         let remarked =
             |words: &str| fits.iter().filter(|fit| fit.notes.iter().any(|note| note.contains(words))).count();
         println!("{name}: {held} hold, {} remarked", remarked(words));
-        // Of 20 intervals of 95 %, fewer than 16 hold the truth with a probability of 0.0003.
+        // Of 20 intervals of 95 %, fewer than 16 hold the truth with a probability of 0.003.
         assert!(held >= 16, "{name}: {held} of {CAPTURES} hold the inertia");
         if words.is_empty() {
             assert_eq!(remarked("would explain"), 0, "{name}");
@@ -113,13 +115,15 @@ fn intervals_hold_the_inertia_whatever_the_model_lacks() {
 #[test]
 fn a_weight_keeps_the_friction_in_its_interval() {
     let fits = (1..=CAPTURES).map(|seed| fitted(&captured(seed, SWEEP_HZ, 0.0, weight)));
-    let held =
-        fits.filter(|fit| holds(fit, "coulomb_negative", COULOMB_MNM) && holds(fit, "coulomb_positive", COULOMB_MNM));
-    assert!(held.count() >= 15);
+    let held = fits.filter(|fit| {
+        holds(fit, "coulomb_negative", COULOMB_MNM, 4.0) && holds(fit, "coulomb_positive", COULOMB_MNM, 4.0)
+    });
+    let held = held.count();
+    assert!(held >= 15, "{held} of {CAPTURES} hold both");
 }
 
 fn diagnosed(train: &Capture, heldout: &Capture) -> Diagnosis {
-    diagnose(&train.samples(), Some(&heldout.samples()), &DiagnoseOptions::default()).unwrap()
+    diagnose_either_way(&train.samples(), Some(&heldout.samples()), &DiagnoseOptions::default()).unwrap()
 }
 
 #[test]
@@ -135,9 +139,10 @@ fn where_the_training_capture_tells_too_little_the_captures_are_exchanged() {
             continue;
         }
         exchanged += 1;
-        assert!(found.notes[0].contains("exchanged"), "{:?}", found.notes);
-        let direct = diagnosed(&heldout, &train);
-        assert_eq!(found.heldout_relative_error_percent, direct.heldout_relative_error_percent);
+        assert!(found.summary.contains("exchanged"), "{}", found.summary);
+        assert_eq!(found.in_their_roles("given", Some("held out")), ("held out", Some("given")));
+        let direct = diagnose(&heldout.samples(), Some(&train.samples()), &DiagnoseOptions::default()).unwrap();
+        assert_eq!((found.heldout_rms_after, found.model), (direct.heldout_rms_after, direct.model));
     }
     assert!(exchanged >= 2, "{exchanged} of 4 exchanged");
 }

@@ -247,11 +247,16 @@ impl<'a> Nonlinear<'a> {
         Err(Ended::NoStepImproves)
     }
 
+    /// The same values, in the same units, in another capture.
+    pub(crate) fn in_capture<'b>(&self, capture: &'b Capture) -> Nonlinear<'b> {
+        Nonlinear { values: self.values.clone(), ..Nonlinear::new(self.structure.clone(), capture) }
+    }
+
     /// The step that takes each value to its lower bound; infinite where it has none.
     pub(crate) fn lowest_steps(&self) -> Vec<f64> {
-        let lowest = |value: &FreeValue| match value.logarithmic {
-            true => f64::NEG_INFINITY,
-            false => (value.least - self.structure.get(value.searched)) / value.scale,
+        let lowest = |value: &FreeValue| {
+            let to_least = (value.least - self.structure.get(value.searched)) / value.scale;
+            if value.logarithmic { f64::NEG_INFINITY } else { to_least }
         };
         self.values.iter().map(lowest).collect()
     }

@@ -10,6 +10,8 @@ use crate::numerics::vector::dot;
 use crate::regression::least_squares::{LeastSquares, residual};
 use crate::uncertainty::statistics::{mean_over_error, student_above};
 
+/// Most steps from the values of one capture to those of both.
+const ROUNDS: usize = 3;
 /// Stretches over which a comparison of two structures is repeated.
 const BLOCKS: usize = 60;
 /// How much louder than the quietest tenth of a residual's stretches noise alone may be.
@@ -73,31 +75,49 @@ impl Judged {
         Self::of(self.structure.clone(), self.train_residual.clone(), train, heldout)
     }
 
-    /// Evidence of the same effects with values fitted to both captures, by one Gauss–Newton step from those of the training capture, which may
+    /// Evidence of the same effects with values fitted to both captures, by Gauss–Newton steps from those of the training capture, which may
     /// leave open what the other one shows. A structure with coupled bodies is taken as it is.
     pub(crate) fn evidence_fitted_to_both(&self, train: &Capture, heldout: &Capture) -> f64 {
         if self.structure.is_coupled() {
             return self.evidence;
         }
-        let fits = [train, heldout].map(|capture| Nonlinear::new(self.structure.clone(), capture));
-        let [of_train, mut of_heldout] = fits.each_ref().map(Nonlinear::secants);
+        let mut best = self.clone();
+        for _ in 0..ROUNDS {
+            match best.step_to_both(train, heldout) {
+                Some(next) if next.evidence > best.evidence => best = next,
+                _ => break,
+            }
+        }
+        best.evidence
+    }
+
+    /// One Gauss–Newton step towards the values that explain both captures best; `None` where no value can be fitted.
+    fn step_to_both(&self, train: &Capture, heldout: &Capture) -> Option<Self> {
+        let fit = Nonlinear::new(self.structure.clone(), train);
+        let (of_train, mut of_heldout) = (fit.secants(), fit.in_capture(heldout).secants());
         of_heldout.iter_mut().for_each(|column| heldout.leave_undetermined_out(column));
-        let [train_floor, heldout_floor] = self.floors_mnm();
         let joined = |train: &[f64], heldout: &[f64]| -> Vec<f64> {
-            let train = train.iter().map(|value| value / train_floor);
-            train.chain(heldout.iter().map(|value| value / heldout_floor)).collect()
+            let train = train.iter().map(|value| value / self.train_rms_mnm);
+            train.chain(heldout.iter().map(|value| value / self.heldout_rms_mnm)).collect()
         };
         let columns: Vec<Vec<f64>> =
             of_train.iter().zip(&of_heldout).map(|(train, heldout)| joined(train, heldout)).collect();
         let target = joined(&self.train_residual, &self.heldout_residual);
-        let lowest = fits[0].lowest_steps();
-        let is_bounded: Vec<bool> = lowest.iter().map(|step| step.is_finite()).collect();
-        let lowest: Vec<f64> = lowest.iter().map(|step| if step.is_finite() { *step } else { 0.0 }).collect();
+        let collinear = LeastSquares::solve(&columns, &target).collinear;
+        // Counted from its lower bound, a value stays above it.
+        let lowest: Vec<Option<f64>> = fit
+            .lowest_steps()
+            .into_iter()
+            .zip(&collinear)
+            .map(|(step, is_collinear)| Some(step).filter(|step| step.is_finite() && !is_collinear))
+            .collect();
+        let is_bounded: Vec<bool> = lowest.iter().map(Option::is_some).collect();
+        let lowest: Vec<f64> = lowest.into_iter().map(Option::unwrap_or_default).collect();
         let above = LeastSquares::corrected(&columns, &residual(&columns, &target, &lowest), &is_bounded, &[]);
         let step: Vec<f64> = above.coefficients.iter().zip(&lowest).map(|(above, lowest)| above + lowest).collect();
-        let moved = fits[0].moved(&step);
+        let moved = fit.moved(&step);
         let train_residual = nonlinear::residual(&moved, train);
-        Self::of(moved, train_residual, train, heldout).evidence.max(self.evidence)
+        (above.fitted() > 0).then(|| Self::of(moved, train_residual, train, heldout))
     }
 
     /// The same as what another structure leaves, which it is equal to.

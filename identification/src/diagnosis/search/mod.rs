@@ -327,7 +327,8 @@ impl<'a> Search<'a> {
     /// Whether an effect more explains both captures better than the effects before would with other values: the training capture may leave
     /// these open.
     fn is_better_than_other_values(&self, before: &Judged, after: &Judged) -> bool {
-        after.evidence > before.evidence_fitted_to_both(self.train, self.heldout) + EVIDENCE
+        let [before, after] = [before, after].map(|judged| judged.evidence_fitted_to_both(self.train, self.heldout));
+        after > before + EVIDENCE
     }
 
     /// The effect that predicts the held-out capture best among those that are a part of a gap too large for any of them

@@ -27,7 +27,7 @@ pub(super) fn diagnosed(
     };
     let (train, heldout) = (LoadedCapture::joined(&fitted), LoadedCapture::joined(&held_out));
     let found = with_progress(|progress| {
-        Ok(analysis::diagnose_within(options.reach, &train, Some(&heldout), None, Some(progress))?)
+        Ok(analysis::diagnose_in_these_roles(options.reach, &train, &heldout, None, Some(progress))?)
     })?;
     ["", &found.summary].iter().for_each(say);
     Ok(found)
