@@ -21,6 +21,8 @@ const NARROWER: f64 = 0.5;
 const EVERY: usize = 2;
 /// A difference of two estimates is known at best to this share of the second one's variance.
 const LEAST_VARIANCE: f64 = 0.25;
+/// Two-sided 95 % of the normal distribution shared among six better models (Bonferroni), in standard deviations.
+const SHARED_95: f64 = 2.64;
 /// One-sided 95 % of the normal distribution, in standard deviations.
 const ONE_SIDED_95: f64 = 1.645;
 
@@ -113,10 +115,11 @@ impl Misfit {
             let other = (derivatives * covariance).dot(derivatives);
             // Hausman's variance of the difference.
             let chance = (other - fitted).max(LEAST_VARIANCE * other);
-            let beyond = (derivatives.transpose().dot(change).powi(2) - NORMAL_95.powi(2) * chance).max(0.0).sqrt();
             // The truth lies near a better model's estimate: the interval also covers that estimate's own uncertainty, but only if there is a
             // shift.
-            let about = if *is_of_better_model { ONE_SIDED_95 * other.sqrt() } else { 0.0 };
+            let (critical, about) =
+                if *is_of_better_model { (SHARED_95, ONE_SIDED_95 * other.sqrt()) } else { (NORMAL_95, 0.0) };
+            let beyond = (derivatives.transpose().dot(change).powi(2) - critical.powi(2) * chance).max(0.0).sqrt();
             beyond * (beyond + 2.0 * about)
         });
         (by_chance.powi(2) + beyond.fold(0.0, f64::max)).sqrt()

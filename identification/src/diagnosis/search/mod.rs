@@ -325,8 +325,11 @@ impl<'a> Search<'a> {
     }
 
     /// Whether an effect more explains both captures better than the effects before would with other values: the training capture may leave
-    /// these open.
+    /// these open. Of coupled bodies it is not asked, which are not fitted to both.
     fn is_better_than_other_values(&self, before: &Judged, after: &Judged) -> bool {
+        if after.structure.is_coupled() {
+            return true;
+        }
         let [before, after] = [before, after].map(|judged| judged.evidence_fitted_to_both(self.train, self.heldout));
         after > before + EVIDENCE
     }

@@ -55,14 +55,14 @@ fn a_number_that_is_not_in_the_json_is_seen() {
     let folder = folder.path();
     let capture = captured(folder, "one", "--knob 4");
     let (page, json) = written(folder, &format!("fit {capture}"));
-    let value = json["parameters"]["coulomb_positive"]["value"].as_f64().unwrap();
+    let value = json["parameters"]["inertia"]["value"].as_f64().unwrap();
     // As many decimals as its interval warrants.
-    let cells = (1..=5).map(|decimals| format!("<td class=\"number value\">{value:.decimals$}</td>"));
+    let cells = (2..=6).map(|decimals| format!("<td class=\"number value\">{value:.decimals$}</td>"));
     let shown = cells.into_iter().find(|cell| page.contains(cell)).unwrap();
     // Another parameter's number is no number of this row.
     let other = json["parameters"]["viscous_positive"]["value"].as_f64().unwrap();
-    for wrong in [value + 0.02, other] {
-        let changed = page.replace(&shown, &format!("<td class=\"number value\">{wrong:.3}</td>"));
+    for wrong in [1.5 * value, other] {
+        let changed = page.replace(&shown, &format!("<td class=\"number value\">{wrong:.4}</td>"));
         assert_eq!(not_in_json(&changed, &json).len(), 1, "{wrong}: {:?}", not_in_json(&changed, &json));
     }
 }
