@@ -49,7 +49,7 @@ wire_message! {
         /// State of the loop: 0 idle, 1 armed, 2 running, 3 stopping, 4 fault.
         pub state: u32,
         /// Cause of the fault, 0 for none: 1 torque, 2 speed, 3 angle, 4 following error, 5 sensor, 6 apparatus,
-        /// 7 nothing new from the rig, 8 runaway.
+        /// 7 nothing new from the rig, 8 runaway, 9 jump of the angle, 10 jump of the rig's clock, 11 watchdog.
         pub fault: u32,
         /// Bits: 1 the torque command was clipped at the motor's limit; of a rendering: 2 another model begins to be
         /// felt, 4 the virtual knob sticks, 8 the passivity guard dissipated energy; 16 the sensors delivered no new data.
@@ -127,6 +127,8 @@ wire_code! {
         Jump = 9,
         /// The rig's own clock did not go on with the ticks.
         Clock = 10,
+        /// The amplifier's watchdog ran out because no torque was commanded in time.
+        Watchdog = 11,
     }
 }
 
@@ -138,7 +140,7 @@ impl std::fmt::Display for Fault {
             Self::Angle => "the angle left the permitted range",
             Self::FollowingError => "the knob fell too far behind the commanded angle",
             Self::Sensor => "a sensor gave a value that is not a number",
-            Self::Apparatus => "the apparatus reported a failure",
+            Self::Apparatus => "the apparatus reported a failure; check its cables and supply, and start the run again",
             Self::Runaway => {
                 "the knob turned against the motor: unless a hand did that, motor and encoder have opposite signs; \
                  invert one `sign` in the rig file, and run `haptic-camera rig commission`"
@@ -148,6 +150,10 @@ impl std::fmt::Display for Fault {
                  in the rig file"
             }
             Self::Clock => "its own clock jumped by half a second or more; check what sets that clock",
+            Self::Watchdog => {
+                "the amplifier's watchdog ran out and took the torque away, as the loop commanded none for too long; start the run again, and \
+                 where the computer often stalls so long, see `haptic-camera doctor`"
+            }
             Self::Stale => "the sensors delivered no new data for more ticks than the rig file permits; check cable and bus",
         })
     }

@@ -173,12 +173,13 @@ fn the_same_readings_give_the_same_torques_bit_for_bit() {
 fn every_limit_ends_the_run_torque_free_with_the_cause_in_the_last_sample() {
     let normal = |rotor: &Rotor| Measurement { angle_rad: rotor.angle_rad, ..Measurement::default() };
     type Cause = fn(Measurement) -> Result<Measurement, ApparatusError>;
-    let cases: [(Fault, Cause); 7] = [
+    let cases: [(Fault, Cause); 8] = [
         (Fault::Torque, |reading| Ok(Measurement { torque_mnm: -1_001.0, ..reading })),
         (Fault::FollowingError, Ok),
         (Fault::Runaway, Ok),
         (Fault::Sensor, |reading| Ok(Measurement { torque_mnm: f64::NAN, ..reading })),
-        (Fault::Apparatus, |_| Err(ApparatusError::Watchdog)),
+        (Fault::Apparatus, |_| Err(ApparatusError::Amplifier)),
+        (Fault::Watchdog, |_| Err(ApparatusError::Watchdog)),
         (Fault::Jump, |reading| Ok(Measurement { angle_rad: reading.angle_rad - 100.0, ..reading })),
         (Fault::Clock, |reading| Ok(Measurement { after_s: 1.0, ..reading })),
     ];

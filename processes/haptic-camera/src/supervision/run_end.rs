@@ -33,7 +33,7 @@ pub(super) fn fault_words(run: &RunDescription, status: &LoopStatus) -> Option<S
     let words = run.axis.words(&fault.to_string()).into_owned();
     let reason = match (fault, status.device_code.cast_signed()) {
         (Fault::Apparatus, code) if code != 0 => ApparatusError::Device(code).reason(&run.device_codes),
-        (Fault::Apparatus | Fault::Sensor | Fault::Stale | Fault::Jump | Fault::Clock, _) => words,
+        (Fault::Apparatus | Fault::Watchdog | Fault::Sensor | Fault::Stale | Fault::Jump | Fault::Clock, _) => words,
         _ => return Some(words),
     };
     Some(format!("the rig '{}': {reason}", run.apparatus))

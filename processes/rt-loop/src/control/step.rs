@@ -221,7 +221,8 @@ impl ControlState {
                 if self.state != LoopState::Fault {
                     self.device_code = error.device_code().unwrap_or(0);
                 }
-                return self.fail(Fault::Apparatus, &UNMEASURED);
+                let is_watchdog = error == ApparatusError::Watchdog;
+                return self.fail(if is_watchdog { Fault::Watchdog } else { Fault::Apparatus }, &UNMEASURED);
             }
         };
         let measurement = match self.tracked.take(&measurement, reading.elapsed_ticks) {
