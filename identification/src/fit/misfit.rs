@@ -78,7 +78,12 @@ impl Shift {
 impl Misfit {
     /// Fits the settled problem's columns to the rows with those `near` standstill, to half their band, to the faster and the
     /// slower half of their motion, and beside omitted effects. `robust` is the covariance of the fit.
-    pub(crate) fn of(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>, near: Option<&Rows>) -> Self {
+    pub(crate) fn of(
+        trimmed: &Trimmed<'_>,
+        torque_mnm: &[f64],
+        robust: &DMatrix<f64>,
+        near: Option<&Rows>,
+    ) -> Self {
         let at_zero = &trimmed.solution.at_zero;
         let is_held = at_zero.contains(&true);
         let Problem { motion, row_filter, target, .. } = &trimmed.problem;
@@ -104,7 +109,7 @@ impl Misfit {
         ];
         let is_free = vec![false; at_zero.len()];
         let unbounded = is_held.then(|| Shift::of(trimmed, &fitted, &is_free, <[f64]>::to_vec)).flatten();
-        let (beside_omitted, note) = omitted::shifts(trimmed, robust);
+        let (beside_omitted, note) = omitted::shifts(trimmed, torque_mnm, robust);
         Self { others: shifts.into_iter().flatten().chain(beside_omitted).collect(), unbounded, note }
     }
 

@@ -4,7 +4,8 @@ use dynamics::effects::friction;
 use nalgebra::{DMatrix, DVector};
 
 use super::misfit::Shift;
-use super::trimmed::Trimmed;
+use super::trimmed::{OmittedDelay, Trimmed};
+use crate::numerics::interpolation::advance;
 use crate::numerics::vector::{self, dot};
 use crate::regression::least_squares::{LeastSquares, residual};
 use crate::regression::problem::{Column, Problem};
@@ -18,6 +19,8 @@ const FAR_RAD: f64 = 1.0;
 /// Least share of an omitted column's square that the fit's columns must leave: a smaller rest may be noise of the motion, as where a
 /// sinusoidal sweep makes angle and acceleration alike.
 const INSEPARABLE: f64 = 1e-2;
+/// Steps in which a delay is found.
+const DELAY_STEPS: usize = 3;
 /// Share of the residual's sum of squares from which on omitted effects are reported.
 const WORTH_A_NOTE: f64 = 0.25;
 
@@ -38,10 +41,15 @@ struct Omitted {
 
 /// Shifts of the estimates beside each group of effects and beside all of them, and a note on the group that explains most of the residual,
 /// if that is much. `robust` is the covariance of the fit.
-pub(super) fn shifts(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> (Vec<Shift>, Option<String>) {
+pub(super) fn shifts(
+    trimmed: &Trimmed<'_>,
+    torque_mnm: &[f64],
+    robust: &DMatrix<f64>,
+) -> (Vec<Shift>, Option<String>) {
     let groups = groups(trimmed);
-    let beside = |group: &Group| group.columns.iter().filter_map(|omitted| Beside::of(omitted, trimmed)).collect();
-    let beside: Vec<Vec<Beside>> = groups.iter().map(beside).collect();
+    let separable = |omitted| Beside::of(omitted, trimmed).filter(|beside| !beside.is_inseparable);
+    let beside: Vec<Vec<Beside>> =
+        groups.iter().map(|group| group.columns.iter().filter_map(separable).collect()).collect();
     let solution = &trimmed.solution;
     let each: Vec<Option<(Shift, f64)>> =
         beside.iter().map(|group| shift(&group.iter().collect::<Vec<_>>(), solution, robust)).collect();
@@ -54,7 +62,71 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> (Vec<Shift
         )
     });
     let all = shift(&beside.iter().flatten().collect::<Vec<_>>(), solution, robust);
-    (each.into_iter().chain([all]).flatten().map(|(shift, _)| shift).collect(), note)
+    let mut shifts: Vec<Shift> = each.into_iter().chain([all]).flatten().map(|(shift, _)| shift).collect();
+    if trimmed.curves.is_none() {
+        shifts.extend(rest_angle(trimmed, robust));
+        shifts.extend(trimmed.delay.as_ref().and_then(|delay| delayed(delay, trimmed, torque_mnm, robust)));
+    }
+    (shifts, note)
+}
+
+/// The shift of the estimates if the torque that rises with the angle vanishes at an end of the travel: where a spring rests is not known, and a
+/// constant torque looks like friction that differs between the directions.
+fn rest_angle(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<Shift> {
+    let Trimmed { problem: Problem { motion, row_filter, .. }, columns, solution, .. } = trimmed;
+    let (low_rad, high_rad) = vector::extent_where(&motion.angle_rad, &row_filter.mask)?;
+    let (middle_rad, reach_rad) = (0.5 * (low_rad + high_rad), 0.5 * (high_rad - low_rad));
+    let rows = row_filter.rows_of(2, |range, columns| {
+        let [angle, constant] = columns else { return };
+        angle.iter_mut().zip(&motion.angle_rad[range]).for_each(|(row, angle_rad)| *row = angle_rad - middle_rad);
+        constant.fill(1.0);
+    });
+    let [angle, constant] = <[Vec<f64>; 2]>::try_from(rows).ok()?;
+    let angle = Beside::of(&Omitted { column: angle.into(), is_beyond_friction: false }, trimmed)?;
+    if angle.is_inseparable {
+        return None;
+    }
+    let slope = LeastSquares::solve(&[&*angle.rest], &solution.residual);
+    let with_columns = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &constant)));
+    let change = -reach_rad * &solution.inverse * with_columns;
+    let variance = slope.robust_of_points(&[&*angle.rest], 1)[(0, 0)];
+    Some(Shift {
+        covariance: robust + variance * &change * change.transpose(),
+        change: slope.coefficients[0] * change,
+        is_of_better_model: true,
+    })
+}
+
+/// The shift of the estimates if the torque is moved by its delay: what is linear in a delay is not all that a long one does. Where the motion
+/// cannot show a delay, as a sinusoid's cannot beside viscous friction, it may be one sample.
+fn delayed(
+    delay: &OmittedDelay,
+    trimmed: &Trimmed<'_>,
+    torque_mnm: &[f64],
+    robust: &DMatrix<f64>,
+) -> Option<Shift> {
+    let Trimmed { problem: Problem { row_filter, .. }, columns, target, solution, .. } = trimmed;
+    let omitted = Omitted { column: delay.column.clone(), is_beyond_friction: false };
+    let Beside { rest, change: per_second, is_inseparable } = Beside::of(&omitted, trimmed)?;
+    if is_inseparable {
+        let covariance = DMatrix::zeros(columns.len(), columns.len());
+        return Some(Shift { change: per_second / row_filter.rate_hz, covariance, is_of_better_model: true });
+    }
+    let mut delay_s = 0.0;
+    let mut change = DVector::zeros(columns.len());
+    let mut left = solution.residual.clone();
+    for _ in 0..DELAY_STEPS {
+        delay_s += dot(&rest, &left) / dot(&rest, &rest);
+        let earlier = row_filter.rows(&advance(torque_mnm, delay_s * row_filter.rate_hz));
+        let moved: Vec<f64> = earlier.iter().zip(&**target).map(|(earlier, target)| earlier - target).collect();
+        let products = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &moved)));
+        change = &solution.inverse * products;
+        let coefficients: Vec<f64> = solution.coefficients.iter().zip(&change).map(|(one, more)| one + more).collect();
+        left = residual(columns, &earlier, &coefficients);
+    }
+    let variance = LeastSquares::solve(&[&*rest], &left).robust_of_points(&[&*rest], 1)[(0, 0)];
+    let covariance = robust + variance * &per_second * per_second.transpose();
+    Some(Shift { change, covariance, is_of_better_model: true })
 }
 
 /// The omitted effects.
@@ -119,10 +191,12 @@ struct Beside {
     rest: Vec<f64>,
     /// Change of the fit's coefficients for one unit of its own.
     change: DVector<f64>,
+    /// Whether the fit's columns explain nearly all that friction leaves of it.
+    is_inseparable: bool,
 }
 
 impl Beside {
-    /// `None` where the fit's columns explain nearly all that friction leaves of it.
+    /// `None` in a fit without friction.
     fn of(omitted: &Omitted, Trimmed { problem, columns, solution, .. }: &Trimmed<'_>) -> Option<Self> {
         let Omitted { column, is_beyond_friction } = omitted;
         let effect = problem.effects.iter().position(|effect| effect.kind().name == friction::KIND.name)?;
@@ -136,14 +210,12 @@ impl Beside {
         let parts = &solution.inverse * &with_columns;
         let rest = residual(columns, column, parts.as_slice());
         let beyond_friction = dot(column, column) - of_friction.dot(&with_friction);
-        if dot(&rest, &rest) <= INSEPARABLE * beyond_friction {
-            return None;
-        }
+        let is_inseparable = dot(&rest, &rest) <= INSEPARABLE * beyond_friction;
         let mut change = -parts;
         if *is_beyond_friction {
             friction.iter().zip(of_friction.iter()).for_each(|(place, part)| change[*place] += part);
         }
-        Some(Self { rest, change })
+        Some(Self { rest, change, is_inseparable })
     }
 }
 

@@ -133,7 +133,7 @@ impl<'a> Prepared<'a> {
         let can_be_wider = options.preparation == PreparationMethod::Automatic && trimmed.curves.is_none();
         let near = can_be_wider.then(|| row_filter.next_to_turning_points(uniform, motion)).flatten();
         let near = near.map(|near| trimmed.with_rows_of(&near, band, torque_mnm));
-        let mut fit = Report::new(&trimmed, band, calibration, near.as_ref()).fit(no_detents);
+        let mut fit = Report::new(&trimmed, torque_mnm, band, calibration, near.as_ref()).fit(no_detents);
         Stick::of(uniform, motion, &fit.effects).report(&mut fit.parameters, &mut fit.effects);
         if is_unsettled {
             fit.notes.push(

@@ -44,6 +44,7 @@ impl<'a> Report<'a> {
     /// `near` are the rows, together with those next to standstill that the fit leaves out; `None` if it leaves out none.
     pub(crate) fn new(
         trimmed: &'a Trimmed<'a>,
+        torque_mnm: &[f64],
         band: &'a Band,
         calibration: Option<&'a Calibration>,
         near: Option<&Rows>,
@@ -52,7 +53,7 @@ impl<'a> Report<'a> {
         if let Some(curves) = &trimmed.curves {
             robust.enlarge(curves.points.len());
         }
-        let misfit = Misfit::of(trimmed, &robust.matrix, near);
+        let misfit = Misfit::of(trimmed, torque_mnm, &robust.matrix, near);
         Self { trimmed, band, calibration, robust, textbook: trimmed.solution.textbook_covariance(), misfit }
     }
 
