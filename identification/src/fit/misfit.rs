@@ -78,12 +78,7 @@ impl Shift {
 impl Misfit {
     /// Fits the settled problem's columns to the rows with those `near` standstill, to half their band, to the faster and the
     /// slower half of their motion, and beside omitted effects. `robust` is the covariance of the fit.
-    pub(crate) fn of(
-        trimmed: &Trimmed<'_>,
-        torque_mnm: &[f64],
-        robust: &DMatrix<f64>,
-        near: Option<&Rows>,
-    ) -> Self {
+    pub(crate) fn of(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix<f64>, near: Option<&Rows>) -> Self {
         let at_zero = &trimmed.solution.at_zero;
         let is_held = at_zero.contains(&true);
         let Problem { motion, row_filter, target, .. } = &trimmed.problem;

@@ -41,11 +41,7 @@ struct Omitted {
 
 /// Shifts of the estimates beside each group of effects and beside all of them, and a note on the group that explains most of the residual,
 /// if that is much. `robust` is the covariance of the fit.
-pub(super) fn shifts(
-    trimmed: &Trimmed<'_>,
-    torque_mnm: &[f64],
-    robust: &DMatrix<f64>,
-) -> (Vec<Shift>, Option<String>) {
+pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix<f64>) -> (Vec<Shift>, Option<String>) {
     let groups = groups(trimmed);
     let separable = |omitted| Beside::of(omitted, trimmed).filter(|beside| !beside.is_inseparable);
     let beside: Vec<Vec<Beside>> =
@@ -97,27 +93,26 @@ fn rest_angle(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<Shift> {
     })
 }
 
-/// The shift of the estimates if the torque is moved by its delay: what is linear in a delay is not all that a long one does. Where the motion
-/// cannot show a delay, as a sinusoid's cannot beside viscous friction, it may be one sample.
-fn delayed(
-    delay: &OmittedDelay,
-    trimmed: &Trimmed<'_>,
-    torque_mnm: &[f64],
-    robust: &DMatrix<f64>,
-) -> Option<Shift> {
+/// The shift of the estimates if the torque is moved by its delay, where that is longer than a sample, so that its column, linear in the delay,
+/// does not say all. Where the motion cannot show a delay, as a sinusoid's cannot beside viscous friction, it may be one sample.
+fn delayed(delay: &OmittedDelay, trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix<f64>) -> Option<Shift> {
     let Trimmed { problem: Problem { row_filter, .. }, columns, target, solution, .. } = trimmed;
+    let rate_hz = row_filter.rate_hz;
     let omitted = Omitted { column: delay.column.clone(), is_beyond_friction: false };
     let Beside { rest, change: per_second, is_inseparable } = Beside::of(&omitted, trimmed)?;
     if is_inseparable {
         let covariance = DMatrix::zeros(columns.len(), columns.len());
-        return Some(Shift { change: per_second / row_filter.rate_hz, covariance, is_of_better_model: true });
+        return Some(Shift { change: per_second / rate_hz, covariance, is_of_better_model: true });
+    }
+    if delay.delay_s.abs() * rate_hz < 1.0 {
+        return None;
     }
     let mut delay_s = 0.0;
     let mut change = DVector::zeros(columns.len());
     let mut left = solution.residual.clone();
     for _ in 0..DELAY_STEPS {
         delay_s += dot(&rest, &left) / dot(&rest, &rest);
-        let earlier = row_filter.rows(&advance(torque_mnm, delay_s * row_filter.rate_hz));
+        let earlier = row_filter.rows(&advance(torque_mnm, delay_s * rate_hz));
         let moved: Vec<f64> = earlier.iter().zip(&**target).map(|(earlier, target)| earlier - target).collect();
         let products = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &moved)));
         change = &solution.inverse * products;
