@@ -43,9 +43,8 @@ struct Omitted {
 /// if that is much. `robust` is the covariance of the fit.
 pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix<f64>) -> (Vec<Shift>, Option<String>) {
     let groups = groups(trimmed);
-    let separable = |omitted| Beside::of(omitted, trimmed).filter(|beside| !beside.is_inseparable);
-    let beside: Vec<Vec<Beside>> =
-        groups.iter().map(|group| group.columns.iter().filter_map(separable).collect()).collect();
+    let beside = |group: &Group| group.columns.iter().filter_map(|omitted| Beside::of(omitted, trimmed)).collect();
+    let beside: Vec<Vec<Beside>> = groups.iter().map(beside).collect();
     let solution = &trimmed.solution;
     let each: Vec<Option<(Shift, f64)>> =
         beside.iter().map(|group| shift(&group.iter().collect::<Vec<_>>(), solution, robust)).collect();
@@ -79,9 +78,6 @@ fn rest_angle(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<Shift> {
     });
     let [angle, constant] = <[Vec<f64>; 2]>::try_from(rows).ok()?;
     let angle = Beside::of(&Omitted { column: angle.into(), is_beyond_friction: false }, trimmed)?;
-    if angle.is_inseparable {
-        return None;
-    }
     let slope = LeastSquares::solve(&[&*angle.rest], &solution.residual);
     let with_columns = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &constant)));
     let change = -reach_rad * &solution.inverse * with_columns;
@@ -94,19 +90,15 @@ fn rest_angle(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<Shift> {
 }
 
 /// The shift of the estimates if the torque is moved by its delay, where that is longer than a sample, so that its column, linear in the delay,
-/// does not say all. Where the motion cannot show a delay, as a sinusoid's cannot beside viscous friction, it may be one sample.
+/// does not say all.
 fn delayed(delay: &OmittedDelay, trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix<f64>) -> Option<Shift> {
     let Trimmed { problem: Problem { row_filter, .. }, columns, target, solution, .. } = trimmed;
     let rate_hz = row_filter.rate_hz;
-    let omitted = Omitted { column: delay.column.clone(), is_beyond_friction: false };
-    let Beside { rest, change: per_second, is_inseparable } = Beside::of(&omitted, trimmed)?;
-    if is_inseparable {
-        let covariance = DMatrix::zeros(columns.len(), columns.len());
-        return Some(Shift { change: per_second / rate_hz, covariance, is_of_better_model: true });
-    }
     if delay.delay_s.abs() * rate_hz < 1.0 {
         return None;
     }
+    let omitted = Omitted { column: delay.column.clone(), is_beyond_friction: false };
+    let Beside { rest, change: per_second } = Beside::of(&omitted, trimmed)?;
     let mut delay_s = 0.0;
     let mut change = DVector::zeros(columns.len());
     let mut left = solution.residual.clone();
@@ -186,12 +178,10 @@ struct Beside {
     rest: Vec<f64>,
     /// Change of the fit's coefficients for one unit of its own.
     change: DVector<f64>,
-    /// Whether the fit's columns explain nearly all that friction leaves of it.
-    is_inseparable: bool,
 }
 
 impl Beside {
-    /// `None` in a fit without friction.
+    /// `None` where the fit's columns explain nearly all that friction leaves of it.
     fn of(omitted: &Omitted, Trimmed { problem, columns, solution, .. }: &Trimmed<'_>) -> Option<Self> {
         let Omitted { column, is_beyond_friction } = omitted;
         let effect = problem.effects.iter().position(|effect| effect.kind().name == friction::KIND.name)?;
@@ -205,12 +195,14 @@ impl Beside {
         let parts = &solution.inverse * &with_columns;
         let rest = residual(columns, column, parts.as_slice());
         let beyond_friction = dot(column, column) - of_friction.dot(&with_friction);
-        let is_inseparable = dot(&rest, &rest) <= INSEPARABLE * beyond_friction;
+        if dot(&rest, &rest) <= INSEPARABLE * beyond_friction {
+            return None;
+        }
         let mut change = -parts;
         if *is_beyond_friction {
             friction.iter().zip(of_friction.iter()).for_each(|(place, part)| change[*place] += part);
         }
-        Some(Self { rest, change, is_inseparable })
+        Some(Self { rest, change })
     }
 }
 

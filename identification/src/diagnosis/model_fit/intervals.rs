@@ -15,26 +15,53 @@ use crate::uncertainty::statistics::student_95;
 /// allows for correlated residuals.
 pub(crate) fn of(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'static str, Value>> {
     let fit = Nonlinear::new(structure.clone(), capture);
-    let tangents = fit.secants();
-    let solved = LeastSquares::solve(&tangents, &fit.residual);
-    let RobustCovariance { matrix: covariance, degrees_of_freedom, .. } = solved.robust(&tangents);
-    let critical = student_95(degrees_of_freedom);
-    let mut all = Vec::new();
+    let mut tangents = fit.secants();
+    let mut all = Intervals::new(&fit, &tangents);
+    // Of a drift that may as well be a straight line the slope is known, and not how long it goes on.
+    let straight = |(column, longest): &(usize, f64)| all.of(*column).is_none_or(|[_, high]| high >= *longest);
+    let straight: Vec<(usize, f64)> = fit.time_constants().filter(straight).collect();
+    if !straight.is_empty() {
+        straight.iter().for_each(|(column, _)| tangents[*column].fill(0.0));
+        all = Intervals::new(&fit, &tangents);
+    }
+    let mut effects = Vec::new();
     for (index, effect) in structure.effects.iter().enumerate() {
         let mut values = BTreeMap::new();
         for (parameter, kind) in effect.kind().parameters.iter().enumerate() {
             let value = effect.values()[parameter];
             let column = fit.column_of(index, parameter);
-            let ci95 = column.filter(|column| !solved.collinear[*column]).and_then(|column| {
-                // Where a search ended early, the step that is left belongs into the interval.
-                let half = critical * covariance[(column, column)].sqrt() + solved.coefficients[column].abs();
-                fit.interval(column, value, half).filter(|[low, high]| low.is_finite() && high.is_finite())
-            });
+            let ci95 = column.and_then(|column| all.of(column));
             if column.is_some() || value != 0.0 {
                 values.insert(kind.name, Value { value, unit: kind.unit, ci95 });
             }
         }
-        all.push(values);
+        effects.push(values);
     }
-    all
+    effects
+}
+
+/// The linear problem in small changes of the values.
+struct Intervals<'a, 'b> {
+    fit: &'a Nonlinear<'b>,
+    solved: LeastSquares,
+    robust: RobustCovariance,
+}
+
+impl<'a, 'b> Intervals<'a, 'b> {
+    fn new(fit: &'a Nonlinear<'b>, tangents: &[Vec<f64>]) -> Self {
+        let solved = LeastSquares::solve(tangents, &fit.residual);
+        let robust = solved.robust(tangents);
+        Self { fit, solved, robust }
+    }
+
+    /// The interval of a value; `None` if it is not identifiable.
+    fn of(&self, column: usize) -> Option<[f64; 2]> {
+        if self.solved.collinear[column] {
+            return None;
+        }
+        // Where a search ended early, the step that is left belongs into the interval.
+        let by_chance = student_95(self.robust.degrees_of_freedom) * self.robust.matrix[(column, column)].sqrt();
+        let half = by_chance + self.solved.coefficients[column].abs();
+        self.fit.interval(column, half).filter(|[low, high]| low.is_finite() && high.is_finite())
+    }
 }

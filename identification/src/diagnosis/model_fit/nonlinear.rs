@@ -277,9 +277,21 @@ impl<'a> Nonlinear<'a> {
         self.values.iter().position(|value| value.searched.is(effect, parameter))
     }
 
+    /// The time constants among the values, each with the longest that this capture could show.
+    pub(crate) fn time_constants(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let longest = |value: &FreeValue| match value.searched {
+            Searched::Parameter { effect, parameter, .. } => {
+                self.structure.effects[effect].kind().is_time_constant(parameter).then_some(value.largest)
+            }
+            _ => None,
+        };
+        self.values.iter().enumerate().filter_map(move |(index, value)| Some((index, longest(value)?)))
+    }
+
     /// A value's interval from the half width of its step's.
-    pub(crate) fn interval(&self, column: usize, now: f64, half: f64) -> Option<[f64; 2]> {
+    pub(crate) fn interval(&self, column: usize, half: f64) -> Option<[f64; 2]> {
         let value = self.values[column];
+        let now = self.structure.get(value.searched);
         if value.logarithmic {
             (half < 20.0).then(|| [now * (-half).exp(), now * half.exp()])
         } else {
@@ -312,7 +324,7 @@ impl<'a> Nonlinear<'a> {
             let width = if search.logarithmic { value } else { largest - least };
             let inward = if value <= least + 1e-3 * width {
                 NEAR * width
-            } else if value >= largest - 1e-3 * width {
+            } else if value >= largest - 1e-3 * width && !effect.kind().is_time_constant(search.parameter) {
                 -NEAR * width
             } else {
                 return false;

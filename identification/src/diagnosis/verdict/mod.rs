@@ -6,7 +6,7 @@ pub(crate) mod locate;
 
 use std::collections::BTreeMap;
 
-use dynamics::{Model, effects, simulate};
+use dynamics::{Effect, Model, effects, simulate};
 
 use self::locate::locate;
 use crate::diagnosis::capture::{Capture, SLIDING, rows};
@@ -65,6 +65,19 @@ fn note_on_time_and_speed(train: &Capture) -> Option<String> {
          friction that changes with speed; capture a motion whose speed rises and falls"
             .to_owned()
     })
+}
+
+/// A note on a drift of which the capture shows only the beginning.
+fn note_on_straight_drift(effect: &Effect, values: &BTreeMap<&'static str, Value>) -> Option<String> {
+    let kind = effect.kind();
+    let parameter = (0..kind.parameters.len()).find(|parameter| kind.is_time_constant(*parameter))?;
+    let name = kind.parameters[parameter].name;
+    let Value { value, unit, ci95: None } = values.get(name)? else { return None };
+    Some(format!(
+        "{}: over the training capture it may as well be a straight line, which {name} of {value:.0} {unit} or more gives; to learn how far it \
+         goes, capture for longer",
+        kind.name
+    ))
 }
 
 /// Why the effects added may not be all: what is left is more than the sensors' noise, or so much less that the noise is not known.
@@ -199,6 +212,8 @@ impl Search<'_> {
         diagnosis.notes.extend(self.on_bounds(found).into_iter().map(|(effect, reason)| {
             format!("{effect}: {reason}: it may be another effect; capture a wider and a faster motion")
         }));
+        let effects = last.structure.effects.iter().zip(&values);
+        diagnosis.notes.extend(effects.filter_map(|(effect, values)| note_on_straight_drift(effect, values)));
         diagnosis.notes.extend(rest);
         if verdict == Verdict::OutsideLibrary {
             let strongest = diagnosis.where_after.iter().find(|location| location.significant);
