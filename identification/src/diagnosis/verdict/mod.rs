@@ -15,7 +15,7 @@ use crate::diagnosis::model_fit::intervals;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::unequal;
 use crate::diagnosis::search::acceptance::{
-    LEFT, LOWER_FLOOR, MOSTLY_EXPLAINED, MOSTLY_NOISE, TIE, UNEXPLAINED, takes_its_part, worthwhile,
+    LEFT, LOWER_FLOOR, MOSTLY_EXPLAINED, MOSTLY_NOISE, TIE, UNEXPLAINED, is_near_the_floor, takes_its_part, worthwhile,
 };
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::{Found, Search};
@@ -80,8 +80,9 @@ fn note_on_straight_drift(effect: &Effect, values: &BTreeMap<&'static str, Value
     ))
 }
 
-/// Why the effects added may not be all: what is left is more than the sensors' noise, or so much less that the noise is not known.
-fn note_on_the_rest(last: &Judged) -> Option<String> {
+/// Why the effects added may not be all: what is left is more than the sensors' noise, or so much less that the noise is not known, or the
+/// first model left little more.
+fn note_on_the_rest(first: &Judged, last: &Judged) -> Option<String> {
     let [(quieter, least), (louder, most)] = {
         let mut captures = [("training", last.train_over_floor()), ("held-out", last.heldout_over_floor())];
         captures.sort_by(|one, other| one.1.total_cmp(&other.1));
@@ -95,6 +96,12 @@ fn note_on_the_rest(last: &Judged) -> Option<String> {
         Some(format!(
             "whether the effects added are all is not known: of the {quieter} capture {least:.1} times the noise is left, which was \
              overestimated; let the knob rest for a second in a capture"
+        ))
+    } else if is_near_the_floor(first) {
+        Some(format!(
+            "whether the effects added are all, and not a like one, is not known: without them {:.1} times the noise is left, and how much is noise \
+             is not known so well; capture a faster or wider motion, which shows more of them",
+            first.most_over_floor()
         ))
     } else {
         None
@@ -155,7 +162,7 @@ impl Search<'_> {
                     self.options.reach_rad,
                 )
             });
-        let rest = if verdict == Verdict::Effects { note_on_the_rest(last) } else { None };
+        let rest = if verdict == Verdict::Effects { note_on_the_rest(first, last) } else { None };
         let mut diagnosis = Diagnosis {
             verdict,
             complete: verdict != Verdict::OutsideLibrary && rest.is_none(),
