@@ -83,7 +83,8 @@ impl EffectKind {
         searched.iter().filter(move |search| search.same_as.is_none() && search.parameter < used)
     }
 
-    /// Whether a parameter is the time constant of what settles: of one much longer than a capture only the beginning shows, a straight line.
+    /// Whether a parameter is the time constant of something that settles. If it is much longer than a capture, only the beginning shows, a
+    /// straight line.
     #[must_use]
     pub fn is_time_constant(&self, parameter: usize) -> bool {
         self.depends_on == [Coordinate::Time] && self.parameters[parameter].unit == "s"

@@ -49,7 +49,8 @@ wire_message! {
         /// State of the loop: 0 idle, 1 armed, 2 running, 3 stopping, 4 fault.
         pub state: u32,
         /// Cause of the fault, 0 for none: 1 torque, 2 speed, 3 angle, 4 following error, 5 sensor, 6 apparatus,
-        /// 7 nothing new from the rig, 8 runaway, 9 jump of the angle, 10 jump of the rig's clock, 11 watchdog.
+        /// 7 nothing new from the rig, 8 runaway, 9 jump of the angle, 10 jump of the rig's clock, 11 watchdog
+        /// (a rig with codes of its own reports 6 and its code).
         pub fault: u32,
         /// Bits: 1 the torque command was clipped at the motor's limit; of a rendering: 2 another model begins to be
         /// felt, 4 the virtual knob sticks, 8 the passivity guard dissipated energy; 16 the sensors delivered no new data.
@@ -151,8 +152,8 @@ impl std::fmt::Display for Fault {
             }
             Self::Clock => "its own clock jumped by half a second or more; check what sets that clock",
             Self::Watchdog => {
-                "the amplifier's watchdog ran out and took the torque away, as the loop commanded none for too long; start the run again, and \
-                 where the computer often stalls so long, see `haptic-camera doctor`"
+                "the amplifier's watchdog ran out and took the torque away, because the loop sent no command in time; start the run again, and if \
+                 this happens often, run `haptic-camera doctor`"
             }
             Self::Stale => "the sensors delivered no new data for more ticks than the rig file permits; check cable and bus",
         })

@@ -30,7 +30,8 @@ pub enum Verdict {
 pub struct Diagnosis {
     /// What is missing.
     pub verdict: Verdict,
-    /// Whether nothing else is missing: beside [`Verdict::Effects`] only if both captures are explained down to the sensors' noise.
+    /// Whether nothing else is missing: beside [`Verdict::Effects`] only if both captures are explained down to the sensors' noise, and the first
+    /// model left clearly more of one.
     pub complete: bool,
     /// The effects that were added, strongest first. Beside [`Verdict::OutsideLibrary`] something else is left.
     #[serde(borrow)]

@@ -21,8 +21,8 @@ const NARROWER: f64 = 0.5;
 const EVERY: usize = 2;
 /// A difference of two estimates is known at best to this share of the second one's variance.
 const LEAST_VARIANCE: f64 = 0.25;
-/// Two-sided 95 % of the normal distribution shared among six better models (Bonferroni), in standard deviations.
-const SHARED_95: f64 = 2.64;
+/// Two-sided 95 % of the normal distribution shared among nine better models (Bonferroni), in standard deviations.
+const SHARED_95: f64 = 2.77;
 /// One-sided 95 % of the normal distribution, in standard deviations.
 const ONE_SIDED_95: f64 = 1.645;
 

@@ -39,7 +39,7 @@ struct Omitted {
     is_beyond_friction: bool,
 }
 
-/// Shifts of the estimates beside each group of effects and beside all of them, and a note on the group that explains most of the residual,
+/// Shifts of the estimates beside each group of effects, beside all of them, for a spring's rest angle and for a long delay, and a note on the group that explains most of the residual,
 /// if that is much. `robust` is the covariance of the fit.
 pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix<f64>) -> (Vec<Shift>, Option<String>) {
     let groups = groups(trimmed);
@@ -59,15 +59,15 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix
     let all = shift(&beside.iter().flatten().collect::<Vec<_>>(), solution, robust);
     let mut shifts: Vec<Shift> = each.into_iter().chain([all]).flatten().map(|(shift, _)| shift).collect();
     if trimmed.curves.is_none() {
-        shifts.extend(rest_angle(trimmed, robust));
+        shifts.extend(rest_angle(trimmed, robust).into_iter().flatten());
         shifts.extend(trimmed.delay.as_ref().and_then(|delay| delayed(delay, trimmed, torque_mnm, robust)));
     }
     (shifts, note)
 }
 
-/// The shift of the estimates if the torque that rises with the angle vanishes at an end of the travel: where a spring rests is not known, and a
-/// constant torque looks like friction that differs between the directions.
-fn rest_angle(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<Shift> {
+/// The shifts of the estimates if a spring rests at either end of the travel. Where it rests is not known, and its constant torque looks like
+/// friction that differs between the directions.
+fn rest_angle(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<[Shift; 2]> {
     let Trimmed { problem: Problem { motion, row_filter, .. }, columns, solution, .. } = trimmed;
     let (low_rad, high_rad) = vector::extent_where(&motion.angle_rad, &row_filter.mask)?;
     let (middle_rad, reach_rad) = (0.5 * (low_rad + high_rad), 0.5 * (high_rad - low_rad));
@@ -80,17 +80,20 @@ fn rest_angle(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<Shift> {
     let angle = Beside::of(&Omitted { column: angle.into(), is_beyond_friction: false }, trimmed)?;
     let slope = LeastSquares::solve(&[&*angle.rest], &solution.residual);
     let with_columns = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &constant)));
-    let change = -reach_rad * &solution.inverse * with_columns;
+    let of_constant = &solution.inverse * with_columns;
     let variance = slope.robust_of_points(&[&*angle.rest], 1)[(0, 0)];
-    Some(Shift {
-        covariance: robust + variance * &change * change.transpose(),
-        change: slope.coefficients[0] * change,
-        is_of_better_model: true,
-    })
+    Some([-reach_rad, reach_rad].map(|rest_rad| {
+        let per_slope = &angle.change + rest_rad * &of_constant;
+        Shift {
+            covariance: robust + variance * &per_slope * per_slope.transpose(),
+            change: slope.coefficients[0] * per_slope,
+            is_of_better_model: true,
+        }
+    }))
 }
 
-/// The shift of the estimates if the torque is moved by its delay, where that is longer than a sample, so that its column, linear in the delay,
-/// does not say all.
+/// The shift of the estimates if the torque is moved by its delay. Beyond one sample its column, linear in the delay, is not enough. `None` for a
+/// shorter delay, and where the moved torque is explained no better.
 fn delayed(delay: &OmittedDelay, trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix<f64>) -> Option<Shift> {
     let Trimmed { problem: Problem { row_filter, .. }, columns, target, solution, .. } = trimmed;
     let rate_hz = row_filter.rate_hz;
@@ -102,14 +105,18 @@ fn delayed(delay: &OmittedDelay, trimmed: &Trimmed<'_>, torque_mnm: &[f64], robu
     let mut delay_s = 0.0;
     let mut change = DVector::zeros(columns.len());
     let mut left = solution.residual.clone();
+    let squares = dot(&left, &left);
     for _ in 0..DELAY_STEPS {
         delay_s += dot(&rest, &left) / dot(&rest, &rest);
-        let earlier = row_filter.rows(&advance(torque_mnm, delay_s * rate_hz));
-        let moved: Vec<f64> = earlier.iter().zip(&**target).map(|(earlier, target)| earlier - target).collect();
+        let aligned = row_filter.rows(&advance(torque_mnm, delay_s * rate_hz));
+        let moved: Vec<f64> = aligned.iter().zip(&**target).map(|(aligned, target)| aligned - target).collect();
         let products = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &moved)));
         change = &solution.inverse * products;
         let coefficients: Vec<f64> = solution.coefficients.iter().zip(&change).map(|(one, more)| one + more).collect();
-        left = residual(columns, &earlier, &coefficients);
+        left = residual(columns, &aligned, &coefficients);
+    }
+    if dot(&left, &left) >= squares {
+        return None;
     }
     let variance = LeastSquares::solve(&[&*rest], &left).robust_of_points(&[&*rest], 1)[(0, 0)];
     let covariance = robust + variance * &per_second * per_second.transpose();

@@ -64,6 +64,10 @@ fn spring_that_rests_elsewhere([_, angle, ..]: [f64; 4]) -> f64 {
 }
 
 fn drifting_friction([t_s, _, velocity, _]: [f64; 4]) -> f64 {
+    0.25 * COULOMB_MNM * (1.0 - t_s / DURATION_S) * velocity.signum()
+}
+
+fn slight_drift([t_s, _, velocity, _]: [f64; 4]) -> f64 {
     0.12 * COULOMB_MNM * (1.0 - t_s / DURATION_S) * velocity.signum()
 }
 
@@ -129,15 +133,16 @@ fn a_weight_keeps_the_friction_in_its_interval() {
 #[test]
 fn a_spring_keeps_the_friction_in_its_interval_wherever_it_rests() {
     for besides in [spring, spring_that_rests_elsewhere] {
-        let fits = (1..=CAPTURES).map(|seed| fitted(&captured(seed, SWEEP_HZ, 0.0, besides)));
-        let names = ["coulomb_negative", "coulomb_positive"];
+        let fits: Vec<Fit> = (1..=CAPTURES).map(|seed| fitted(&captured(seed, SWEEP_HZ, 0.0, besides))).collect();
+        let intervals: Vec<[f64; 2]> = fits
+            .iter()
+            .flat_map(|fit| ["coulomb_negative", "coulomb_positive"].map(|name| fit.parameters.get(name).unwrap().ci95))
+            .flatten()
+            .collect();
+        let held = intervals.iter().filter(|[low, high]| (*low..=*high).contains(&COULOMB_MNM)).count();
+        println!("{held} of {}", intervals.len());
         // What the motion leaves open may also be said not to be identifiable.
-        let holds = |fit: &Fit, name| {
-            let interval = fit.parameters.get(name).unwrap().ci95;
-            interval.is_none_or(|[low, high]| (low..=high).contains(&COULOMB_MNM))
-        };
-        let held = fits.filter(|fit| names.iter().all(|name| holds(fit, name))).count();
-        assert!(held >= 16, "{held} of {CAPTURES} hold both");
+        assert!(intervals.len() >= 20 && held * 10 >= intervals.len() * 9, "{held} of {}", intervals.len());
     }
 }
 
@@ -169,7 +174,7 @@ fn where_the_training_capture_tells_too_little_the_captures_are_exchanged() {
 #[test]
 fn a_drift_of_which_only_the_beginning_shows_is_named() {
     for seed in 1..=4 {
-        let [train, heldout] = [seed, seed + 100].map(|seed| captured(seed, SWEEP_HZ, 0.0, drifting_friction));
+        let [train, heldout] = [seed, seed + 100].map(|seed| captured(seed, SWEEP_HZ, 0.0, slight_drift));
         let found = diagnosed(&train, &heldout);
         assert_eq!(found.effects, ["friction-drift"], "seed {seed}: {}", found.summary);
         assert!(found.notes.iter().any(|note| note.contains("a straight line")), "{:?}", found.notes);

@@ -15,22 +15,27 @@ use crate::uncertainty::statistics::student_95;
 /// allows for correlated residuals.
 pub(crate) fn of(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'static str, Value>> {
     let fit = Nonlinear::new(structure.clone(), capture);
+    let intervals = Intervals::new(&fit, &fit.secants());
+    values(structure, &intervals)
+}
+
+/// The same for time constants as they are. Of a drift that may as well be a straight line only the slope is known: neither how far it goes nor
+/// for how long has a useful interval, though the drift is surely something.
+pub(crate) fn given_time_constants(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'static str, Value>> {
+    let fit = Nonlinear::new(structure.clone(), capture);
     let mut tangents = fit.secants();
-    let mut all = Intervals::new(&fit, &tangents);
-    // Of a drift that may as well be a straight line the slope is known, and not how long it goes on.
-    let straight = |(column, longest): &(usize, f64)| all.of(*column).is_none_or(|[_, high]| high >= *longest);
-    let straight: Vec<(usize, f64)> = fit.time_constants().filter(straight).collect();
-    if !straight.is_empty() {
-        straight.iter().for_each(|(column, _)| tangents[*column].fill(0.0));
-        all = Intervals::new(&fit, &tangents);
-    }
+    fit.time_constants().for_each(|column| tangents[column].fill(0.0));
+    values(structure, &Intervals::new(&fit, &tangents))
+}
+
+fn values(structure: &Structure, intervals: &Intervals<'_, '_>) -> Vec<BTreeMap<&'static str, Value>> {
     let mut effects = Vec::new();
     for (index, effect) in structure.effects.iter().enumerate() {
         let mut values = BTreeMap::new();
         for (parameter, kind) in effect.kind().parameters.iter().enumerate() {
             let value = effect.values()[parameter];
-            let column = fit.column_of(index, parameter);
-            let ci95 = column.and_then(|column| all.of(column));
+            let column = intervals.fit.column_of(index, parameter);
+            let ci95 = column.and_then(|column| intervals.of(column));
             if column.is_some() || value != 0.0 {
                 values.insert(kind.name, Value { value, unit: kind.unit, ci95 });
             }

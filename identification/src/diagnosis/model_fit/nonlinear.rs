@@ -277,15 +277,15 @@ impl<'a> Nonlinear<'a> {
         self.values.iter().position(|value| value.searched.is(effect, parameter))
     }
 
-    /// The time constants among the values, each with the longest that this capture could show.
-    pub(crate) fn time_constants(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let longest = |value: &FreeValue| match value.searched {
+    /// The time constants among the values.
+    pub(crate) fn time_constants(&self) -> impl Iterator<Item = usize> + '_ {
+        let is_time_constant = |value: &FreeValue| match value.searched {
             Searched::Parameter { effect, parameter, .. } => {
-                self.structure.effects[effect].kind().is_time_constant(parameter).then_some(value.largest)
+                self.structure.effects[effect].kind().is_time_constant(parameter)
             }
-            _ => None,
+            Searched::Skew => false,
         };
-        self.values.iter().enumerate().filter_map(move |(index, value)| Some((index, longest(value)?)))
+        (0..self.values.len()).filter(move |index| is_time_constant(&self.values[*index]))
     }
 
     /// A value's interval from the half width of its step's.

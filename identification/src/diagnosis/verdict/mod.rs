@@ -67,16 +67,26 @@ fn note_on_time_and_speed(train: &Capture) -> Option<String> {
     })
 }
 
-/// A note on a drift of which the capture shows only the beginning.
+/// Leaves out the intervals of a drift that holds no drift: over the capture it may as well be a straight line, of which the slope is known, and
+/// neither how far it goes nor for how long.
+fn leave_out_straight_drift(effect: &Effect, values: &mut BTreeMap<&'static str, Value>) {
+    let excess = &effects::friction_drift::KIND.parameters[0];
+    let holds_none =
+        values.get(excess.name).is_some_and(|value| value.ci95.is_none_or(|[low, high]| low <= 0.0 && 0.0 <= high));
+    if effect.kind().name == effects::friction_drift::KIND.name && holds_none {
+        values.values_mut().for_each(|value| value.ci95 = None);
+    }
+}
+
+/// A note on such a drift.
 fn note_on_straight_drift(effect: &Effect, values: &BTreeMap<&'static str, Value>) -> Option<String> {
-    let kind = effect.kind();
-    let parameter = (0..kind.parameters.len()).find(|parameter| kind.is_time_constant(*parameter))?;
-    let name = kind.parameters[parameter].name;
-    let Value { value, unit, ci95: None } = values.get(name)? else { return None };
+    let [excess, time] = [0, 1].map(|parameter| &effects::friction_drift::KIND.parameters[parameter]);
+    let Value { value: excess, ci95: None, .. } = values.get(excess.name)? else { return None };
+    let percent_per_s = -100.0 * excess / ((1.0 + excess) * values.get(time.name)?.value);
     Some(format!(
-        "{}: over the training capture it may as well be a straight line, which {name} of {value:.0} {unit} or more gives; to learn how far it \
-         goes, capture for longer",
-        kind.name
+        "{}: the training capture shows only its beginning, a straight line of {percent_per_s:+.2} % of the friction a second; capture for longer to \
+         see where it settles",
+        effect.kind().name
     ))
 }
 
@@ -99,8 +109,8 @@ fn note_on_the_rest(first: &Judged, last: &Judged) -> Option<String> {
         ))
     } else if is_near_the_floor(first) {
         Some(format!(
-            "whether the effects added are all, and not a like one, is not known: without them {:.1} times the noise is left, and how much is noise \
-             is not known so well; capture a faster or wider motion, which shows more of them",
+            "whether these are all the effects, or similar ones, is not known: without them only {:.1} times the noise was left, and the noise is not \
+             known that well; capture a faster or wider motion, in which they show more",
             first.most_over_floor()
         ))
     } else {
@@ -238,6 +248,7 @@ impl Search<'_> {
     /// The knob's values with intervals, effect by effect.
     fn values(&self, structure: &Structure) -> Vec<BTreeMap<&'static str, Value>> {
         let mut values = intervals::of(structure, self.train);
+        structure.effects.iter().zip(&mut values).for_each(|(effect, values)| leave_out_straight_drift(effect, values));
         let [borne, knob] = [structure.model(), self.knob(structure)];
         for (values, (borne, knob)) in values.iter_mut().zip(borne.effects.iter().zip(&knob.effects)) {
             for ((parameter, borne), (_, knob)) in borne.parameters().zip(knob.parameters()) {

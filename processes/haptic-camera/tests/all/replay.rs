@@ -75,8 +75,9 @@ fn not_shown(page: &str, result: &Value) -> Vec<String> {
             Value::Object(fields) => left.extend(fields.iter().map(|(name, item)| (format!("{way}.{name}"), item))),
             Value::Number(number) => {
                 let number = number.as_f64().unwrap();
-                // Three significant digits; percents with two decimals.
-                let rounding = 0.005 * number.abs() + if way.ends_with("percent") { 0.005_001 } else { 1e-9 };
+                // Three significant digits, or those that an interval's width supports; percents with two decimals.
+                let share = if way.contains("ci95") { 0.01 } else { 0.005 };
+                let rounding = share * number.abs() + if way.ends_with("percent") { 0.005_001 } else { 1e-9 };
                 if !shown.iter().any(|on_page| (on_page - number).abs() <= rounding) {
                     missing.push(format!("{way} = {number}"));
                 }
