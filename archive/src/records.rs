@@ -1,4 +1,4 @@
-//! The records of an MCAP file of which a checksum says that they are sound.
+//! The records of an MCAP file whose checksums hold.
 //!
 //! A broken file cannot be trusted to say where its next record begins: one flipped bit in a
 //! length leads anywhere. So this reader looks at every position for a chunk or an attachment whose
@@ -32,9 +32,9 @@ pub(crate) const fn may_unpack_to(length: u64) -> u64 {
     UNPACKED_ALWAYS.saturating_add(UNPACKED_SHARE.saturating_mul(length))
 }
 
-/// Something sound in the file.
+/// A record of the file that is intact, as far as the format can say.
 #[derive(Debug)]
-pub(crate) enum Sound {
+pub(crate) enum IntactRecord {
     /// A chunk whose checksum holds.
     Chunk(Unpacked),
     /// The beginning of a chunk that the file's end cuts off; no checksum covers it.
@@ -58,7 +58,7 @@ pub(crate) struct Unpacked {
 pub(crate) struct Account {
     /// Bytes read.
     pub(crate) bytes: u64,
-    /// Bytes that were neither sound content nor structure that can be made anew.
+    /// Bytes that were neither intact content nor structure that can be rebuilt.
     pub(crate) dropped: u64,
     /// Chunks whose checksum holds.
     pub(crate) chunks: u64,
@@ -72,26 +72,26 @@ pub(crate) struct Account {
     pub(crate) dropped_content: u64,
 }
 
-/// Reads sound records from any reader, with memory for one record at a time.
-pub(crate) struct SoundRecords<R> {
+/// Reads intact records from any reader, with memory for one record at a time.
+pub(crate) struct IntactRecords<R> {
     window: Window<R>,
-    /// Up to here every byte is explained.
-    explained: u64,
-    /// Where the last record began that only has to be made anew.
+    /// Every byte before this position is content, structure or counted as dropped.
+    accounted_to: u64,
+    /// Where the last record began that can be rebuilt.
     last_frame: u64,
-    /// Bytes that were unpacked and compared with checksums so far, for nothing too.
-    tried: u64,
+    /// Bytes that were unpacked and compared with checksums so far, in vain or not.
+    checked_bytes: u64,
     account: Account,
     ended: bool,
 }
 
-impl<R: Read> SoundRecords<R> {
+impl<R: Read> IntactRecords<R> {
     pub(crate) fn new(input: R) -> Self {
         Self {
             window: Window { input, bytes: Vec::new(), start: 0, offset: 0, at_end: false },
-            explained: 0,
+            accounted_to: 0,
             last_frame: 0,
-            tried: 0,
+            checked_bytes: 0,
             account: Account::default(),
             ended: false,
         }
@@ -102,8 +102,8 @@ impl<R: Read> SoundRecords<R> {
         self.account
     }
 
-    /// The next sound record; `None` at the end of the file.
-    pub(crate) fn next(&mut self) -> io::Result<Option<Sound>> {
+    /// The next intact record; `None` at the end of the file.
+    pub(crate) fn next(&mut self) -> io::Result<Option<IntactRecord>> {
         while !self.ended {
             let position = self.window.offset;
             let head = self.window.ahead(LOOK_AHEAD)?;
@@ -112,7 +112,7 @@ impl<R: Read> SoundRecords<R> {
                 break;
             };
             if position == 0 && head.starts_with(mcap::MAGIC) {
-                self.explained = mcap::MAGIC.len() as u64;
+                self.accounted_to = mcap::MAGIC.len() as u64;
                 self.window.skip(mcap::MAGIC.len());
                 continue;
             }
@@ -133,50 +133,51 @@ impl<R: Read> SoundRecords<R> {
         Ok(None)
     }
 
-    fn chunk(&mut self, length: usize) -> io::Result<Option<Sound>> {
+    fn chunk(&mut self, length: usize) -> io::Result<Option<IntactRecord>> {
         let position = self.window.offset;
         let frame = self.window.ahead(length)?;
         if frame.len() < length {
-            let expected = position == self.explained;
+            let expected = position == self.accounted_to;
             let effort = u64_at(frame, 25).unwrap_or(0);
-            let affordable = expected && affordable(&mut self.tried, effort, position + frame.len() as u64);
-            let unpacked = if affordable { unpack(frame, false) } else { Unpacked::default() };
+            let may_check = expected && may_check(&mut self.checked_bytes, effort, position + frame.len() as u64);
+            let unpacked = if may_check { unpack(frame, false) } else { Unpacked::default() };
             self.window.skip(1);
             if !expected {
                 return Ok(None);
             }
             self.account.unfinished_chunks += 1;
-            return Ok(Some(Sound::UnfinishedChunk(unpacked)));
+            return Ok(Some(IntactRecord::UnfinishedChunk(unpacked)));
         }
         // A checksum of zero means that there is none.
         let has_checksum = frame[33..37] != [0; 4];
         let effort = u64_at(frame, 25).unwrap_or(u64::MAX).saturating_add(length as u64);
-        let unpacked = if has_checksum && affordable(&mut self.tried, effort, position + length as u64) {
+        let unpacked = if has_checksum && may_check(&mut self.checked_bytes, effort, position + length as u64) {
             unpack(frame, true)
         } else {
             Unpacked::default()
         };
         if unpacked.records.is_empty() {
             self.account.damaged_chunks += 1;
-            if position == self.explained {
+            if position == self.accounted_to {
                 self.account.dropped += length as u64;
-                self.explained = position + length as u64;
+                self.accounted_to = position + length as u64;
             }
             self.window.skip(1);
             return Ok(None);
         }
         self.account.chunks += 1;
         self.take(length);
-        Ok(Some(Sound::Chunk(unpacked)))
+        Ok(Some(IntactRecord::Chunk(unpacked)))
     }
 
-    fn attachment(&mut self, length: usize) -> io::Result<Option<Sound>> {
+    fn attachment(&mut self, length: usize) -> io::Result<Option<IntactRecord>> {
         let end = self.window.offset + length as u64;
         let frame = self.window.ahead(length)?;
-        let has_checksum =
-            frame.len() == length && frame[length - 4..] != [0; 4] && affordable(&mut self.tried, length as u64, end);
-        let sound = match has_checksum.then(|| parse_record(op::ATTACHMENT, &frame[FRAME_HEAD..])) {
-            Some(Ok(Record::Attachment { header, data, .. })) => Sound::Attachment {
+        let has_checksum = frame.len() == length
+            && frame[length - 4..] != [0; 4]
+            && may_check(&mut self.checked_bytes, length as u64, end);
+        let attachment = match has_checksum.then(|| parse_record(op::ATTACHMENT, &frame[FRAME_HEAD..])) {
+            Some(Ok(Record::Attachment { header, data, .. })) => IntactRecord::Attachment {
                 name: header.name,
                 media_type: header.media_type,
                 log_time: header.log_time,
@@ -188,14 +189,15 @@ impl<R: Read> SoundRecords<R> {
             }
         };
         self.take(length);
-        Ok(Some(sound))
+        Ok(Some(attachment))
     }
 
-    /// Moves past a byte that begins no content, and explains it if it begins known structure.
-    fn structure(&mut self) -> io::Result<Option<Sound>> {
+    /// Moves past a byte at which no content begins, and accounts for the known structure that begins there, if any.
+    fn structure(&mut self) -> io::Result<Option<IntactRecord>> {
         let position = self.window.offset;
         let mut metadata = None;
-        let frame = if position == self.explained { rebuildable_frame(self.window.ahead(FRAME_HEAD)?) } else { None };
+        let frame =
+            if position == self.accounted_to { rebuildable_frame(self.window.ahead(FRAME_HEAD)?) } else { None };
         if let Some((opcode, length)) = frame
             && let frame = self.window.ahead(length)?
             && adds_up(frame, opcode, length)
@@ -205,28 +207,29 @@ impl<R: Read> SoundRecords<R> {
                 && complete
                 && let Ok(Record::Metadata(record)) = parse_record(opcode, &frame[FRAME_HEAD..])
             {
-                metadata = Some(Sound::Metadata(record));
+                metadata = Some(IntactRecord::Metadata(record));
             }
             if opcode == op::DATA_END && complete {
                 self.account.finished = true;
                 self.account.dropped_content = self.account.dropped;
             }
             self.last_frame = position;
-            self.explained = position.saturating_add(length as u64);
-        } else if position == self.explained && self.window.ahead(mcap::MAGIC.len() + 1)? == mcap::MAGIC {
+            self.accounted_to = position.saturating_add(length as u64);
+        } else if position == self.accounted_to && self.window.ahead(mcap::MAGIC.len() + 1)? == mcap::MAGIC {
             self.last_frame = position;
-            self.explained = position + mcap::MAGIC.len() as u64;
+            self.accounted_to = position + mcap::MAGIC.len() as u64;
         }
         self.window.skip(1);
-        self.window.skip_until(|byte, offset| byte == op::CHUNK || byte == op::ATTACHMENT || offset == self.explained);
+        self.window
+            .skip_until(|byte, offset| byte == op::CHUNK || byte == op::ATTACHMENT || offset == self.accounted_to);
         Ok(metadata)
     }
 
     fn take(&mut self, length: usize) {
         let position = self.window.offset;
-        self.account.dropped += position.saturating_sub(self.explained);
-        self.explained = position + length as u64;
-        self.last_frame = self.explained;
+        self.account.dropped += position.saturating_sub(self.accounted_to);
+        self.accounted_to = position + length as u64;
+        self.last_frame = self.accounted_to;
         self.window.skip(length);
     }
 
@@ -234,7 +237,7 @@ impl<R: Read> SoundRecords<R> {
         let total = self.window.offset;
         self.account.bytes = total;
         self.account.dropped +=
-            if self.explained > total { total - self.last_frame.min(total) } else { total - self.explained };
+            if self.accounted_to > total { total - self.last_frame.min(total) } else { total - self.accounted_to };
         if !self.account.finished {
             self.account.dropped_content = self.account.dropped;
         }
@@ -242,13 +245,13 @@ impl<R: Read> SoundRecords<R> {
     }
 }
 
-/// Whether `effort` more bytes may be unpacked and compared, up to `position` of the file: records inside records would
-/// otherwise be tried for ever.
-fn affordable(tried: &mut u64, effort: u64, position: u64) -> bool {
-    let total = tried.saturating_add(effort);
+/// Whether `more_bytes` may be unpacked and compared with a checksum too, at `position` of the file; counts them if so. Without a limit, records
+/// inside records could keep the reader busy for ever.
+fn may_check(checked_bytes: &mut u64, more_bytes: u64, position: u64) -> bool {
+    let total = checked_bytes.saturating_add(more_bytes);
     let permitted = total <= 2 * may_unpack_to(position);
     if permitted {
-        *tried = total;
+        *checked_bytes = total;
     }
     permitted
 }

@@ -11,7 +11,7 @@ use shared_types::wire::CDR_LITTLE_ENDIAN_HEADER;
 use crate::channels::{ChannelDefinition, SampleLayout, Schemas};
 use crate::description::attachment;
 use crate::parse::parse_record;
-use crate::records::{Account, Sound, SoundRecords, Unpacked};
+use crate::records::{Account, IntactRecord, IntactRecords, Unpacked};
 
 /// A channel as a file defines it.
 #[derive(Debug)]
@@ -44,21 +44,21 @@ pub(crate) struct SourceMessage {
 
 /// Reads one file's messages.
 pub(crate) struct Source<R> {
-    records: SoundRecords<R>,
+    records: IntactRecords<R>,
     schemas: Schemas,
     channels: HashMap<u16, Rc<SourceChannel>>,
     chunk: Vec<u8>,
     waiting: VecDeque<(u8, Range<usize>)>,
     checked: bool,
     last_seq: Option<u64>,
-    /// Messages of sound chunks whose channel nothing in the file defines.
+    /// Messages of intact chunks whose channel nothing in the file defines.
     pub(crate) orphans: u64,
 }
 
 impl<R: Read> Source<R> {
     pub(crate) fn new(input: R) -> Self {
         Self {
-            records: SoundRecords::new(input),
+            records: IntactRecords::new(input),
             schemas: Schemas::default(),
             channels: HashMap::new(),
             chunk: Vec::new(),
@@ -88,10 +88,10 @@ impl<R: Read> Source<R> {
             }
             match self.records.next()? {
                 None => return Ok(None),
-                Some(Sound::Chunk(unpacked)) => self.open(unpacked, true),
-                Some(Sound::UnfinishedChunk(unpacked)) => self.open(unpacked, false),
-                Some(Sound::Metadata(metadata)) => return Ok(Some(Item::Metadata(metadata))),
-                Some(Sound::Attachment { name, media_type, log_time, content }) => {
+                Some(IntactRecord::Chunk(unpacked)) => self.open(unpacked, true),
+                Some(IntactRecord::UnfinishedChunk(unpacked)) => self.open(unpacked, false),
+                Some(IntactRecord::Metadata(metadata)) => return Ok(Some(Item::Metadata(metadata))),
+                Some(IntactRecord::Attachment { name, media_type, log_time, content }) => {
                     if name == attachment::CHANNELS {
                         self.learn_channels(&content);
                     }

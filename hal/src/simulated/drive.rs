@@ -25,8 +25,9 @@ pub(super) struct Drive {
 impl Drive {
     pub(super) fn new(parameters: &RigParameters) -> Self {
         let substep_s = parameters.substep_s();
-        let time_constants = substep_s * parameters.terminal_resistance_ohm / parameters.terminal_inductance_h;
-        let decay = (-time_constants).exp();
+        let substep_in_time_constants =
+            substep_s * parameters.terminal_resistance_ohm / parameters.terminal_inductance_h;
+        let decay = (-substep_in_time_constants).exp();
         let loop_decay = (-std::f64::consts::TAU * parameters.current_bandwidth_hz * substep_s).exp();
         Self {
             resistance_ohm: parameters.terminal_resistance_ohm,
@@ -34,7 +35,7 @@ impl Drive {
             supply_v: parameters.supply_v,
             peak_current_a: parameters.peak_current_a,
             decay,
-            mean_decay: (1.0 - decay) / time_constants,
+            mean_decay: (1.0 - decay) / substep_in_time_constants,
             gain_v_a: parameters.terminal_resistance_ohm * (1.0 - loop_decay) / (1.0 - decay),
             integral_v: 0.0,
             current_a: 0.0,

@@ -1,8 +1,8 @@
 //! The generalised least squares mean of vectors with covariances, and whether they agree.
 //!
-//! With captures xᵢ = Aᵢ·β + errors of covariance Vᵢ (Aᵢ picks what capture i told), the mean is
-//! β = (Σ AᵢᵀVᵢ⁻¹Aᵢ)⁻¹ Σ AᵢᵀVᵢ⁻¹xᵢ (A. C. Aitken, Proc. Roy. Soc. Edinburgh 55, 1935, 42–48), and what the captures
-//! leave of it, Σ rᵢᵀVᵢ⁻¹rᵢ, follows χ² if they differ by no more than their covariances say. The root of that over its
+//! With captures xᵢ = Aᵢ·β + errors of covariance Vᵢ (Aᵢ picks the parameters that capture i estimates), the mean is
+//! β = (Σ AᵢᵀVᵢ⁻¹Aᵢ)⁻¹ Σ AᵢᵀVᵢ⁻¹xᵢ (A. C. Aitken, Proc. Roy. Soc. Edinburgh 55, 1935, 42–48), and the
+//! weighted sum of squares of their deviations from it, Σ rᵢᵀVᵢ⁻¹rᵢ, follows χ² if they differ by no more than their covariances say. The root of that over its
 //! degrees of freedom is the ratio of R. T. Birge (Phys. Rev. 40, 1932, 207–227). Covariances are themselves estimates,
 //! of some 50 degrees of freedom, and their inverses too large for that: the sum is compared with F as S. Johansen
 //! derives it (Biometrika 67, 1980, 85–92).
@@ -45,7 +45,7 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
     let none = vec![0.0; names.len()];
     let alike = problem.solve(&none, &none);
     let agreement = problem.agreement(&alike);
-    // What stands by itself takes no part in the agreement.
+    // A parameter without covariances with others takes no part in the agreement.
     let agree = agreement.is_none_or(|agreement| agreement.agrees());
     let joint: Vec<bool> = names
         .iter()
@@ -106,7 +106,7 @@ impl Problem<'_> {
     fn solve(&self, weighing: &[f64], widening: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
         let count = self.names.len();
         let scales: Vec<f64> = self.substitutes.iter().map(|variance| variance.sqrt()).collect();
-        // Relative to the first value that was told, so that phases and small periods keep their digits.
+        // Relative to the first estimate, so that phases and small periods keep their digits.
         let origin: Vec<f64> = (0..count)
             .map(|at| {
                 let first = |one: &Observation| position(&one.names, self.names[at]).map(|place| one.values[place]);
@@ -143,7 +143,7 @@ impl Problem<'_> {
         )
     }
 
-    /// χ² of what the observations leave of their mean, over the parameters whose covariance a fit gave.
+    /// χ² of the observations' deviations from their mean, over the parameters whose covariance a fit gave.
     ///
     /// With ν degrees of freedom of each covariance, Johansen's sum over the observations
     /// A = Σ (tr Mᵢ² + (tr Mᵢ)²)/2νᵢ, Mᵢ = 1 − H⁻¹·Vᵢ⁻¹ and H = Σ Vᵢ⁻¹, gives the law χ² ~ c·F(f, f₂) with f₂ = f·(f + 2)/3A
@@ -155,7 +155,7 @@ impl Problem<'_> {
         for observation in self.observations {
             let places = self.places(observation);
             let (Some(factor), deviations) = self.factor(observation, &none) else { continue };
-            // What stands by itself is not correlated with the rest, so that leaving it out is setting it to zero.
+            // Such a parameter is not correlated with the rest, so that setting it to zero leaves it out.
             let left = DVector::from_fn(places.len(), |at, _| {
                 if observation.joint[at] { (observation.values[at] - mean[places[at]]) / deviations[at] } else { 0.0 }
             });
@@ -164,13 +164,14 @@ impl Problem<'_> {
             if joint.is_empty() {
                 continue;
             }
-            let taken = DMatrix::from_fn(places.len(), places.len(), |row, column| {
+            let weight = DMatrix::from_fn(places.len(), places.len(), |row, column| {
                 of_mean[(places[row], places[column])] / deviations[column]
             }) * factor.inverse();
-            let free = DMatrix::from_fn(joint.len(), joint.len(), |row, column| {
-                f64::from(row == column) - taken[(joint[row], joint[column])] / deviations[joint[column]]
+            let remainder = DMatrix::from_fn(joint.len(), joint.len(), |row, column| {
+                f64::from(row == column) - weight[(joint[row], joint[column])] / deviations[joint[column]]
             });
-            uncertain += ((&free * &free).trace() + free.trace().powi(2)) / (2.0 * observation.degrees_of_freedom);
+            uncertain += ((&remainder * &remainder).trace() + remainder.trace().powi(2))
+                / (2.0 * observation.degrees_of_freedom);
             for (at, place) in places.iter().enumerate().filter(|(at, _)| observation.joint[*at]) {
                 estimated += usize::from(observation.covariance[(at, at)] > 0.0);
                 parameters[*place] = true;

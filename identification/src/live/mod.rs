@@ -59,8 +59,8 @@ const MARGIN: f64 = 0.75;
 /// Longest step between two samples that is bridged, in periods: without a bridge, a rig that misses a tick now and then would
 /// never fill the filters.
 const BRIDGED_PERIODS: f64 = 4.5;
-/// Samples before a gap that the bridge over it follows.
-const BRIDGE_FOLLOWS: usize = 3;
+/// Samples before a gap through which the bridge over it is laid.
+const BRIDGE_SAMPLES: usize = 3;
 /// Error of the assumed period at the end of the travel, in radians of the detents' phase, from which their rows start anew.
 const LARGEST_ERROR_RAD: f64 = 0.03;
 
@@ -162,7 +162,7 @@ impl LiveFit {
             samples: 0,
             ignored: 0,
             newest_s: f64::NAN,
-            recent: Vec::with_capacity(BRIDGE_FOLLOWS),
+            recent: Vec::with_capacity(BRIDGE_SAMPLES),
             criterion: Criterion {
                 share: MARGIN * USUAL_SHARE,
                 torque_step_mnm: calibration.map_or(0.0, |known| known.torque_step_mnm),
@@ -187,7 +187,7 @@ impl LiveFit {
         }
         let periods = (sample.time_s - self.newest_s) * self.rate_hz;
         if periods > 1.5 {
-            if periods < BRIDGED_PERIODS && self.recent.len() == BRIDGE_FOLLOWS {
+            if periods < BRIDGED_PERIODS && self.recent.len() == BRIDGE_SAMPLES {
                 self.bridge(sample, periods.round());
             } else {
                 self.restart();
@@ -195,7 +195,7 @@ impl LiveFit {
         }
         self.newest_s = sample.time_s;
         self.samples += 1;
-        if self.recent.len() == BRIDGE_FOLLOWS {
+        if self.recent.len() == BRIDGE_SAMPLES {
             self.recent.remove(0);
         }
         self.recent.push(*sample);
@@ -214,7 +214,7 @@ impl LiveFit {
     /// its neighbours, the torque on a line.
     fn bridge(&mut self, sample: &LiveSample, periods: f64) {
         let known = [self.recent[0], self.recent[1], self.recent[2], *sample];
-        let newest = known[BRIDGE_FOLLOWS - 1];
+        let newest = known[BRIDGE_SAMPLES - 1];
         for step in (1..).map(f64::from).take_while(|step| *step < periods) {
             let share = step / periods;
             let time_s = newest.time_s + share * (sample.time_s - newest.time_s);
