@@ -1,9 +1,9 @@
 //! The generalised least squares mean of vectors with covariances, and whether they agree.
 //!
 //! With captures xᵢ = Aᵢ·β + errors of covariance Vᵢ (Aᵢ picks the parameters that capture i estimates), the mean is
-//! β = (Σ AᵢᵀVᵢ⁻¹Aᵢ)⁻¹ Σ AᵢᵀVᵢ⁻¹xᵢ (A. C. Aitken, Proc. Roy. Soc. Edinburgh 55, 1935, 42–48), and the
-//! weighted sum of squares of their deviations from it, Σ rᵢᵀVᵢ⁻¹rᵢ, follows χ² if they differ by no more than their covariances say. The root of that over its
-//! degrees of freedom is the ratio of R. T. Birge (Phys. Rev. 40, 1932, 207–227). Covariances are themselves estimates,
+//! β = (Σ AᵢᵀVᵢ⁻¹Aᵢ)⁻¹ Σ AᵢᵀVᵢ⁻¹xᵢ (A. C. Aitken, Proc. Roy. Soc. Edinburgh 55, 1935, 42–48), and the weighted sum
+//! of squares of their deviations from it, Σ rᵢᵀVᵢ⁻¹rᵢ, follows χ² if they differ by no more than their covariances say.
+//! The root of that over its degrees of freedom is the ratio of R. T. Birge (Phys. Rev. 40, 1932, 207–227). Covariances are themselves estimates,
 //! of some 50 degrees of freedom, and their inverses too large for that: the sum is compared with F as S. Johansen
 //! derives it (Biometrika 67, 1980, 85–92).
 

@@ -307,7 +307,8 @@ impl<'a> Nonlinear<'a> {
     }
 
     /// A value of the last effect that would go beyond the bound of its search if it could: the fit stands on the bound,
-    /// and on the near side of it the fit is clearly worse. Gives the parameter's name.
+    /// and on the near side of it the fit is clearly worse. Gives the parameter's name. A time constant may stand at its largest: of a longer one
+    /// the capture shows the same straight line.
     pub(crate) fn on_bound(structure: &Structure, capture: &Capture) -> Option<&'static str> {
         let index = structure.effects.len().checked_sub(1)?;
         let effect = structure.effects[index];

@@ -90,8 +90,8 @@ fn note_on_straight_drift(effect: &Effect, values: &BTreeMap<&'static str, Value
     ))
 }
 
-/// Why the effects added may not be all: what is left is more than the sensors' noise, or so much less that the noise is not known, or the
-/// first model left little more.
+/// Why the effects added may not be all: more is left than the sensors' noise; or so much less that the noise is not known; or the first model
+/// left little more than noise.
 fn note_on_the_rest(first: &Judged, last: &Judged) -> Option<String> {
     let [(quieter, least), (louder, most)] = {
         let mut captures = [("training", last.train_over_floor()), ("held-out", last.heldout_over_floor())];
