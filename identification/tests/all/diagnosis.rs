@@ -130,7 +130,7 @@ fn turned(delay_s: f64, drag: impl Fn(f64) -> f64, tones_hz: [f64; 2], seed: u64
 
 #[test]
 fn a_delay_is_named_with_its_whole_length_also_between_samples() {
-    for (delay_s, seed) in [(1e-3, 3), (0.7e-3, 5), (1.3e-3, 7)] {
+    for (delay_s, seed) in [(1e-3, 3), (0.7e-3, 5), (1.3e-3, 7), (0.3e-3, 9), (-0.4e-3, 13)] {
         let [train, heldout] =
             [(seed, [1.0, 7.3]), (seed + 1, [1.4, 5.1])].map(|(seed, tones)| turned(delay_s, |_| 0.05, tones, seed));
         let found = diagnosed(&train, Some(&heldout)).unwrap();
@@ -138,6 +138,31 @@ fn a_delay_is_named_with_its_whole_length_also_between_samples() {
         let delay = found.steps[0].parameters["sensor_delay"];
         assert!((delay.value - delay_s).abs() < 1e-5, "{delay:?} for {delay_s} s");
     }
+}
+
+#[test]
+fn channels_that_are_read_one_after_the_other_have_no_delay() {
+    let [train, heldout] =
+        [(3, [1.0, 7.3]), (4, [1.4, 5.1])].map(|(seed, tones)| turned(0.1e-3, |_| 0.05, tones, seed));
+    let found = diagnosed(&train, Some(&heldout)).unwrap();
+    assert_eq!(found.verdict, Verdict::None, "{}", found.summary);
+}
+
+/// A first-order filter passes the torque of an inertia as a shaft does whose damping exceeds the critical one.
+#[test]
+fn a_filter_of_the_torque_is_a_delay_and_no_shaft() {
+    let [train, heldout] = [(21, [1.0, 7.3]), (22, [1.4, 5.1])].map(|(seed, tones)| {
+        let mut capture = turned(0.0, |_| 0.05, tones, seed);
+        let mut passed = capture.torque_mnm[0];
+        for torque_mnm in &mut capture.torque_mnm {
+            passed += (*torque_mnm - passed) / 5.0;
+            *torque_mnm = passed;
+        }
+        capture
+    });
+    let found = diagnosed(&train, Some(&heldout)).unwrap();
+    assert!(found.effects.contains(&"sensor-delay"), "{}", found.summary);
+    assert!(!found.effects.contains(&"shaft-compliance"), "{}", found.summary);
 }
 
 #[test]

@@ -473,7 +473,7 @@ fn free_values(structure: &Structure, capture: &Capture) -> Vec<FreeValue> {
             values.push(value((least, f64::INFINITY), scale, positive && now > 0.0));
         }
     }
-    if structure.may_be_skewed(capture) {
+    if structure.has_free_skew(capture) {
         let largest = capture.largest_skew_s();
         values.push(FreeValue {
             searched: Searched::Skew,

@@ -328,7 +328,7 @@ impl<'a> Separable<'a> {
     /// The structure's searched parameters; the skew too unless a delay is an effect of its own.
     fn searched(&self) -> Vec<Searched> {
         let mut searched = self.structure.searched(&self.capture.scene_of(&self.structure));
-        if self.structure.may_be_skewed(self.capture) {
+        if self.structure.has_free_skew(self.capture) {
             searched.push(Searched::Skew);
         }
         searched

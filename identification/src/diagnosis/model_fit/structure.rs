@@ -17,6 +17,8 @@ pub(crate) struct Structure {
     pub(crate) columns: Vec<usize>,
     /// Time by which the torque channel is late besides what a delay effect says, s: at most a fraction of a sample.
     pub(crate) skew_s: f64,
+    /// Whether such a time may be there.
+    pub(crate) may_be_skewed: bool,
     /// Whether the body behind a shaft that twists is simulated: there it may stick while the cap moves.
     pub(crate) shaft_is_simulated: bool,
 }
@@ -48,7 +50,7 @@ impl Searched {
 impl Structure {
     pub(crate) fn new(effects: &[Effect]) -> Self {
         let columns = effects.iter().map(Effect::columns).collect();
-        Self { effects: effects.to_vec(), columns, skew_s: 0.0, shaft_is_simulated: false }
+        Self { effects: effects.to_vec(), columns, skew_s: 0.0, may_be_skewed: true, shaft_is_simulated: false }
     }
 
     /// The structure with one effect more, of which the first `columns` take part; a delay takes the place of the skew.
@@ -106,10 +108,15 @@ impl Structure {
         self.skew_s + self.model().reading_delay_s()
     }
 
-    /// Whether torque and motion may be skewed: not where a delay is an effect of its own.
-    pub(crate) fn may_be_skewed(&self, capture: &Capture) -> bool {
+    /// Whether a skew is fitted: not where a delay is an effect of its own.
+    pub(crate) fn has_free_skew(&self, capture: &Capture) -> bool {
         let delayed = self.effects.iter().any(|effect| matches!(effect.kind().part, Part::ReadingDelay(_)));
-        !delayed && !capture.motion.exact
+        self.may_be_skewed && !delayed && !capture.motion.exact
+    }
+
+    /// The same without a skew.
+    pub(crate) fn without_skew(&self) -> Self {
+        Self { skew_s: 0.0, may_be_skewed: false, ..self.clone() }
     }
 
     pub(crate) fn bristles(&self) -> Option<Bristles> {

@@ -71,6 +71,13 @@ fn shaft(effect: &Effect) -> Option<Coupling> {
     }
 }
 
+/// Whether a structure's last effect is a shaft with more than critical damping. It does not resonate, and in the band it is like a filter or a
+/// delay of the torque.
+pub(crate) fn is_overdamped(structure: &Structure) -> bool {
+    let shaft = structure.effects.last().and_then(shaft);
+    shaft.is_some_and(|shaft| shaft.damping > 2.0 * (shaft.stiffness_mnm_rad * structure.inertia()).sqrt())
+}
+
 /// Sum of squares of what a structure leaves behind a shaft, mNm².
 fn squares(effect: &Effect, base: &Structure, train: &Capture) -> Option<f64> {
     let capture = behind(&shaft(effect)?, base, train);

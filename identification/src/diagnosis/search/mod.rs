@@ -41,6 +41,9 @@ const OTHER_STARTS: usize = 2;
 /// Share of the held-out torque's square that the model must explain, but for a factor, for that factor to be a unit's.
 const WELL_PREDICTED: f64 = 0.5;
 
+/// Skew between torque and motion up to which it is no delay, in samples: channels are read one after the other.
+const USUAL_SKEW_SAMPLES: f64 = 0.2;
+
 #[derive(Clone, Copy)]
 pub(crate) struct Search<'a> {
     pub(crate) train: &'a Capture,
@@ -226,6 +229,19 @@ impl<'a> Search<'a> {
             found.chain = found.chain.par_iter().map(asymmetric).collect();
         }
         found
+    }
+
+    /// The same with a delay for a skew that is more than channels have which are read one after the other; what was found where no delay is.
+    pub(crate) fn with_delay_for_skew(&self, found: Found) -> Found {
+        let last = &found.named().structure;
+        if last.skew_s.abs() < USUAL_SKEW_SAMPLES / self.train.rate_hz || last.is_coupled() {
+            return found;
+        }
+        let without_skew = |judged: &Judged| self.settled(judged.structure.without_skew());
+        let mut other = Found { chain: found.chain.par_iter().map(without_skew).collect(), ..found.clone() };
+        self.extend_and_revise(&mut other);
+        let has_delay = other.added.contains(&effects::sensor_delay::KIND.name);
+        if has_delay && other.named().evidence > found.named().evidence - EVIDENCE { other } else { found }
     }
 
     /// What is found from another first effect, where the best one led to a model that leaves much: it may have imitated two others. `None` if that

@@ -229,6 +229,9 @@ impl Search<'_> {
 
     /// Why the last effect cannot be the one, if so.
     pub(crate) fn disqualified(&self, judged: &Judged) -> Option<String> {
+        if twist::is_overdamped(&judged.structure) {
+            return Some("its damping exceeds the critical one, so that it does not resonate".to_owned());
+        }
         Nonlinear::on_bound(&judged.structure, self.train)
             .map(|parameter| format!("{parameter} stands on the bound of what this capture could show"))
     }
