@@ -1,5 +1,7 @@
 //! Whether there are detents at all, and of which period.
 
+pub(crate) mod angle_bins;
+
 use dynamics::{Effect, effects};
 
 use crate::estimate::Harmonic;
@@ -18,9 +20,9 @@ const CANDIDATES: usize = 3;
 /// … if they explain at least this share of what the strongest explains.
 const RIVAL: f64 = 0.5;
 /// A detent must explain this share of the sum of squares that the rest of the model leaves …
-pub(crate) const WORTHWHILE_SHARE: f64 = 0.25;
+const WORTHWHILE_SHARE: f64 = 0.25;
 /// … or have this amplitude relative to the RMS of the torque: less is a ripple, felt by nobody.
-pub(crate) const WORTHWHILE_AMPLITUDE: f64 = 0.1;
+const WORTHWHILE_AMPLITUDE: f64 = 0.1;
 /// A detent must take away this many times what the null test does: the best other period, one further true
 /// sinusoid being granted, in what the detent leaves …
 const NULL_TEST: f64 = 2.0;

@@ -1,6 +1,6 @@
 //! The way from a capture and a model to a verdict.
 
-use dynamics::{Axis, Calibration, Model};
+use dynamics::{Axis, Calibration, Model, effects};
 
 use super::capture::encoder_zero::EncoderZero;
 use super::capture::{Capture, EDGE_HZ, Stretches};
@@ -19,8 +19,6 @@ const NOISIEST: f64 = 0.1;
 /// Narrowest band in which captures are compared, Hz.
 const NARROWEST_HZ: f64 = 8.0;
 
-/// Share of what is left of the held-out capture from which on most of it has a name.
-const MOSTLY_NAMED: f64 = 0.5;
 /// Most searches, each with the angle between two zeros of the encoder as the one before left it.
 const MOST_ROUNDS: usize = 3;
 
@@ -62,8 +60,9 @@ pub enum Progress {
     },
 }
 
-/// [`diagnose`], and once more with the captures exchanged where most of what is missing has no name: the training capture's motion may tell
-/// too little of it to predict the other one. If named effects explain more then, that is the answer ([`Diagnosis::captures_are_exchanged`]).
+/// [`diagnose`], and once more with the captures exchanged where something is missing that has no name: the training capture's motion may tell
+/// too little of it to predict the other one. If that names an effect, it is the answer ([`Diagnosis::captures_are_exchanged`]). A delay, which
+/// most recordings have, counts as no name.
 ///
 /// # Errors
 /// As [`diagnose`].
@@ -73,12 +72,12 @@ pub fn diagnose_either_way(
     options: &DiagnoseOptions<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
     let found = diagnose(train, heldout, options)?;
-    let has_no_name = found.verdict == Verdict::OutsideLibrary && explained_by_name(&found) < MOSTLY_NAMED;
+    let has_no_name = found.verdict == Verdict::OutsideLibrary && !names_more_than_a_delay(&found);
     let Some(heldout) = heldout.filter(|_| has_no_name) else { return Ok(found) };
     let commanded = options.commanded.map(CommandedTorque::exchanged);
     let exchanged = DiagnoseOptions { commanded, ..options.clone() };
     Ok(match diagnose(heldout, Some(train), &exchanged) {
-        Ok(mut exchanged) if explained_by_name(&exchanged) > explained_by_name(&found) => {
+        Ok(mut exchanged) if names_more_than_a_delay(&exchanged) => {
             exchanged.captures_are_exchanged = true;
             exchanged.summary.push_str(EXCHANGED);
             exchanged
@@ -87,10 +86,8 @@ pub fn diagnose_either_way(
     })
 }
 
-/// Share of the held-out residual's mean square that the named effects explain; 0 where there are none.
-fn explained_by_name(found: &Diagnosis) -> f64 {
-    let named_rms = found.steps.last().map_or(found.heldout_rms_before, |step| step.heldout_rms_after);
-    1.0 - (named_rms / found.heldout_rms_before).powi(2)
+fn names_more_than_a_delay(found: &Diagnosis) -> bool {
+    found.effects.iter().any(|effect| *effect != effects::sensor_delay::KIND.name)
 }
 
 /// What is said where the captures were exchanged.

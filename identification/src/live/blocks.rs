@@ -2,13 +2,12 @@
 
 use nalgebra::{DMatrix, DVectorView};
 
+use crate::detents::angle_bins::MOST_COLUMNS;
 use crate::preparation::filter::Fir;
 use crate::preparation::row_filter::{row_low_pass, row_step};
 use crate::regression::gram;
 use crate::uncertainty::statistics::student_95;
 
-/// Most columns of a row, torque included.
-pub(super) const MOST_COLUMNS: usize = 16;
 /// Most blocks; when they are full, neighbours merge.
 const MOST_BLOCKS: usize = 128;
 /// Rows of the first blocks.

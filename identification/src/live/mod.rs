@@ -24,7 +24,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod angle_bins;
 mod blocks;
 mod convergence;
 mod estimate;
@@ -32,8 +31,8 @@ mod pipeline;
 
 use dynamics::{Calibration, Effect, effects};
 
+use crate::detents::angle_bins::{AngleBins, MOST_COLUMNS};
 use crate::numerics::interpolation::cubic_weights;
-use angle_bins::AngleBins;
 use blocks::{Blocks, RowFilter};
 pub use convergence::{Convergence, Criterion, MotionRms, USUAL_SHARE, relative_half_width};
 use estimate::{Excitation, estimate};
@@ -261,7 +260,7 @@ impl LiveFit {
     /// Adds a sample to the sums.
     fn add(&mut self, prepared: &Prepared) {
         let Self { base_effects, base, bins, with_detents, .. } = self;
-        let mut row = [0.0; blocks::MOST_COLUMNS];
+        let mut row = [0.0; MOST_COLUMNS];
         let mut width = 0;
         if prepared.is_sliding {
             for effect in base_effects.iter() {
@@ -281,7 +280,7 @@ impl LiveFit {
         }
         base.push(&row[..=width], prepared.is_sliding);
         if let Some(WithDetents { wavenumber, centre_rad, rows }) = with_detents {
-            let mut wide = [0.0; blocks::MOST_COLUMNS];
+            let mut wide = [0.0; MOST_COLUMNS];
             if prepared.is_sliding {
                 wide[..width].copy_from_slice(&row[..width]);
                 let angle = prepared.motion.angle_rad - *centre_rad;

@@ -6,12 +6,13 @@ use std::f64::consts::TAU;
 use nalgebra::{DMatrix, DVector, DVectorView};
 use realfft::num_complex::Complex;
 
-use super::blocks::MOST_COLUMNS;
-use crate::detents::{WORTHWHILE_AMPLITUDE, WORTHWHILE_SHARE};
+use super::{WORTHWHILE_AMPLITUDE, WORTHWHILE_SHARE};
 use crate::numerics::fourier;
 use crate::sinusoids::reduction::Reduction;
 use crate::sinusoids::{FEWEST_PERIODS, OVERSAMPLING, noise_variance, threshold, vertex};
 
+/// Most columns of a row, torque included.
+pub(crate) const MOST_COLUMNS: usize = 16;
 /// Most bins; when the travel outgrows them, neighbours merge.
 const MOST_BINS: usize = 8192;
 /// Width of the first bins, rad.
@@ -23,7 +24,7 @@ const MARGIN: f64 = 14.0;
 
 /// Sums of unfiltered base columns and torque in bins of angle.
 #[derive(Debug)]
-pub(super) struct AngleBins {
+pub(crate) struct AngleBins {
     bin_rad: f64,
     /// Angle of the first bin's lower edge, in bins.
     first: i64,
@@ -35,31 +36,31 @@ pub(super) struct AngleBins {
 
 /// The best period of a scan.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Scan {
-    pub(super) wavenumber: f64,
-    pub(super) travel_rad: f64,
+pub(crate) struct Scan {
+    pub(crate) wavenumber: f64,
+    pub(crate) travel_rad: f64,
     /// Whether the evidence says that there are detents.
-    pub(super) detents: bool,
+    pub(crate) detents: bool,
 }
 
 impl AngleBins {
     /// For rows of `width` columns, the last of them the torque.
-    pub(super) fn new(width: usize) -> Self {
+    pub(crate) fn new(width: usize) -> Self {
         Self { bin_rad: FIRST_WIDTH_RAD, first: 0, sums: VecDeque::new(), gram: DMatrix::zeros(width, width) }
     }
 
     /// Distance between the outermost angles, rad.
-    pub(super) fn travel_rad(&self) -> f64 {
+    pub(crate) fn travel_rad(&self) -> f64 {
         self.sums.len() as f64 * self.bin_rad
     }
 
     /// Middle of the travel, rad.
-    pub(super) fn middle_rad(&self) -> f64 {
+    pub(crate) fn middle_rad(&self) -> f64 {
         (self.first as f64 + 0.5 * self.sums.len() as f64) * self.bin_rad
     }
 
     /// Adds a sample.
-    pub(super) fn add(&mut self, angle_rad: f64, row: &[f64]) {
+    pub(crate) fn add(&mut self, angle_rad: f64, row: &[f64]) {
         let columns = DVectorView::from_slice(row, row.len());
         self.gram.ger(1.0, &columns, &columns, 1.0);
         self.make_room(angle_rad);
@@ -109,7 +110,7 @@ impl AngleBins {
     }
 
     /// The best period, given the base coefficients; `None` while the travel supports none.
-    pub(super) fn scan(&self, coefficients: &[f64], slow_rad_s: f64, band_hz: f64) -> Option<Scan> {
+    pub(crate) fn scan(&self, coefficients: &[f64], slow_rad_s: f64, band_hz: f64) -> Option<Scan> {
         let columns = self.gram.nrows() - 1;
         let length = (OVERSAMPLING * self.sums.len()).next_power_of_two();
         let spacing = TAU / (length as f64 * self.bin_rad);
