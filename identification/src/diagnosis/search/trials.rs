@@ -15,7 +15,7 @@ use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::model_fit::unequal;
 use crate::diagnosis::search::acceptance::{
-    CLOSED, EVIDENCE, LEFT, explains_enough, explains_most_of_the_gap, is_near_the_floor,
+    CLOSED, EVIDENCE, explains_enough, explains_most_of_the_gap, is_near_the_floor,
 };
 use crate::diagnosis::search::hypotheses::coupled::{self, Effort};
 use crate::diagnosis::search::hypotheses::{candidates, separable};
@@ -288,7 +288,7 @@ impl Search<'_> {
 
     /// Whether unequal detents explain most of the training capture's gap beside equal ones.
     pub(crate) fn detents_are_unequal(&self, base: &Judged) -> bool {
-        base.train_over_floor() > LEFT
+        base.train_over_floor() > CLOSED
             && self.unequal_detents(base).is_some_and(|unequal| base.explained_by(&unequal) > 0.5)
     }
 
