@@ -207,7 +207,7 @@ pub struct Rival {
 pub struct Partial {
     /// Standard name.
     pub effect: &'static str,
-    /// Share of the held-out gap's mean square that it takes away, %.
+    /// Share of what is left of both captures above the noise, as a mean square, that it takes away, %; at most 100.
     pub explains_percent: f64,
     /// Why it cannot be what is missing, if so: a parameter on its bound.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -61,8 +61,8 @@ pub enum Progress {
 }
 
 /// [`diagnose`], and once more with the captures exchanged where something is missing that has no name: the training capture's motion may tell
-/// too little of it to predict the other one. If that names an effect, it is the answer ([`Diagnosis::captures_are_exchanged`]). A delay, which
-/// most recordings have, counts as no name.
+/// too little of it to predict the other one. If that names an effect, it is the answer ([`Diagnosis::captures_are_exchanged`]). A delay
+/// alone does not count: most recordings have one.
 ///
 /// # Errors
 /// As [`diagnose`].

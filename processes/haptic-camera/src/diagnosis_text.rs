@@ -65,7 +65,9 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
             Verdict::OutsideLibrary => {
                 "Effects that explain part of the residual, but cannot be what is missing or predict it too poorly:"
             }
-            Verdict::None | Verdict::Effects => "Effects that would explain too little of the residual to be named:",
+            Verdict::None | Verdict::Effects => {
+                "Effects that would explain part of what is left above the noise, too little or too unsteadily to be named:"
+            }
         };
         lines.push(of.to_owned());
         for partial in &found.partial {

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use self::acceptance::{
     EVIDENCE, FALSE_DISCOVERIES, LEFT, TIE, explains_most_of_the_gap, explains_nearly_all, explains_surely,
-    explains_the_gap, takes_its_part, worthwhile,
+    explains_the_gap, gap_and_closed, takes_its_part, worthwhile,
 };
 use self::judged::Judged;
 use crate::diagnosis::capture::Capture;
@@ -41,7 +41,7 @@ const OTHER_STARTS: usize = 2;
 /// Share of the held-out torque's square that the model must explain, but for a factor, for that factor to be a unit's.
 const WELL_PREDICTED: f64 = 0.5;
 
-/// Skew between torque and motion up to which it is no delay, in samples: channels are read one after the other.
+/// Largest skew between torque and motion that is no delay, in samples: channels may be read one after the other.
 const USUAL_SKEW_SAMPLES: f64 = 0.2;
 
 #[derive(Clone, Copy)]
@@ -231,7 +231,7 @@ impl<'a> Search<'a> {
         found
     }
 
-    /// The same with a delay for a skew that is more than channels have which are read one after the other; what was found where no delay is.
+    /// Goes on without a skew where it is larger than usual; gives what was found before unless that adds a delay.
     pub(crate) fn with_delay_for_skew(&self, found: Found) -> Found {
         let last = &found.named().structure;
         if last.skew_s.abs() < USUAL_SKEW_SAMPLES / self.train.rate_hz || last.is_coupled() {
@@ -240,6 +240,7 @@ impl<'a> Search<'a> {
         let without_skew = |judged: &Judged| self.settled(judged.structure.without_skew());
         let mut other = Found { chain: found.chain.par_iter().map(without_skew).collect(), ..found.clone() };
         self.extend_and_revise(&mut other);
+        // A delay costs as much freedom as any value; a skew costs none.
         let has_delay = other.added.contains(&effects::sensor_delay::KIND.name);
         if has_delay && other.named().evidence > found.named().evidence - EVIDENCE { other } else { found }
     }
@@ -400,11 +401,11 @@ impl<'a> Search<'a> {
 
     /// What explains some of the rest without being worth a name.
     fn partial(&self, current: &Judged, tried: &[Judged]) -> Vec<Partial> {
-        let gap = current.excess();
         let brings_evidence = |judged: &&Judged| judged.evidence - current.evidence > EVIDENCE;
         let each = tried.iter().filter(brings_evidence).filter_map(|judged| {
-            let explains_percent = 100.0 * (gap - judged.excess_above_lower_floor(current)) / gap;
-            (explains_percent > 5.0).then(|| Partial {
+            let [gap, closed] = gap_and_closed(current, judged);
+            let explains_percent = (100.0 * closed / gap).min(100.0);
+            (gap > 0.0 && explains_percent > 5.0).then(|| Partial {
                 effect: judged.newest(),
                 explains_percent,
                 disqualified: self.disqualified(judged),

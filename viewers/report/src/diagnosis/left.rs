@@ -65,7 +65,7 @@ fn partial(found: &Diagnosis) -> Markup {
             @if outside {
                 "Effects that explain part of it and are not what is missing:"
             } @else {
-                "Effects that would explain part of what is left, too little or too unsteadily to be named:"
+                "Effects that would explain part of what is left above the noise, too little or too unsteadily to be named:"
             }
         }
         ul {
