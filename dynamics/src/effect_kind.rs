@@ -83,12 +83,25 @@ impl EffectKind {
         searched.iter().filter(move |search| search.same_as.is_none() && search.parameter < used)
     }
 
-    /// Whether a parameter is the time constant of something that settles. If it is much longer than a capture, only the beginning shows, a
-    /// straight line.
+    /// At which end of a parameter's range the effect is a straight line over the capture, which it stays beyond that end: where a time constant
+    /// is much longer than the capture, or the period of an inertia than the travel. `None` of any other parameter.
     #[must_use]
-    pub fn is_time_constant(&self, parameter: usize) -> bool {
-        self.depends_on == [Coordinate::Time] && self.parameters[parameter].unit == "s"
+    pub fn straight_end(&self, parameter: usize) -> Option<RangeEnd> {
+        match (self.depends_on, self.role, self.parameters[parameter].unit) {
+            ([Coordinate::Time], _, "s") => Some(RangeEnd::Largest),
+            (_, Role::Inertia, "1") => Some(RangeEnd::Least),
+            _ => None,
+        }
     }
+}
+
+/// An end of a parameter's range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RangeEnd {
+    /// The lower one.
+    Least,
+    /// The upper one.
+    Largest,
 }
 
 /// A quantity on which an effect may depend.

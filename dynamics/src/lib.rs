@@ -55,7 +55,8 @@ pub use coupling::Coupling;
 pub use effect::Effect;
 pub(crate) use effect_kind::spaced_unit;
 pub use effect_kind::{
-    Coordinate, Direction, EffectKind, MAX_PARAMETERS, Minimum, ParameterKind, Part, Regressors, StickLimits, TableUse,
+    Coordinate, Direction, EffectKind, MAX_PARAMETERS, Minimum, ParameterKind, Part, RangeEnd, Regressors, StickLimits,
+    TableUse,
 };
 pub use excitation::{Drive, Excitation, Setpoint};
 pub use hypothesis::{Hypothesis, Scene, Search};

@@ -19,12 +19,12 @@ pub(crate) fn of(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'sta
     values(structure, &intervals)
 }
 
-/// The same for time constants as they are. Of a drift that may as well be a straight line only the slope is known: neither how far it goes nor
-/// for how long has a useful interval, though the drift is surely something.
-pub(crate) fn given_time_constants(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'static str, Value>> {
+/// The same for the values with a straight end as they are. Of a drift that may as well be a straight line only the slope is known: neither how far
+/// it goes nor for how long has a useful interval, though the drift is surely something.
+pub(crate) fn given_straight_ends(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'static str, Value>> {
     let fit = Nonlinear::new(structure.clone(), capture);
     let mut tangents = fit.secants();
-    fit.time_constants().for_each(|column| tangents[column].fill(0.0));
+    fit.with_straight_end().for_each(|column| tangents[column].fill(0.0));
     values(structure, &Intervals::new(&fit, &tangents))
 }
 

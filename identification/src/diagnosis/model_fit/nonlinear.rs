@@ -4,7 +4,7 @@
 //! Every value is searched, by Levenberg and Marquardt, first on slow motion and then on wider bands: on the whole band
 //! at once the search stops in the first of many valleys.
 
-use dynamics::{Minimum, Model, Part, Resolution};
+use dynamics::{Minimum, Model, Part, RangeEnd, Resolution};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -277,15 +277,15 @@ impl<'a> Nonlinear<'a> {
         self.values.iter().position(|value| value.searched.is(effect, parameter))
     }
 
-    /// The time constants among the values.
-    pub(crate) fn time_constants(&self) -> impl Iterator<Item = usize> + '_ {
-        let is_time_constant = |value: &FreeValue| match value.searched {
+    /// The values that may stand at the end of their range where their effect is a straight line.
+    pub(crate) fn with_straight_end(&self) -> impl Iterator<Item = usize> + '_ {
+        let has_straight_end = |value: &FreeValue| match value.searched {
             Searched::Parameter { effect, parameter, .. } => {
-                self.structure.effects[effect].kind().is_time_constant(parameter)
+                self.structure.effects[effect].kind().straight_end(parameter).is_some()
             }
             Searched::Skew => false,
         };
-        (0..self.values.len()).filter(move |index| is_time_constant(&self.values[*index]))
+        (0..self.values.len()).filter(move |index| has_straight_end(&self.values[*index]))
     }
 
     /// A value's interval from the half width of its step's.
@@ -307,8 +307,8 @@ impl<'a> Nonlinear<'a> {
     }
 
     /// A value of the last effect that would go beyond the bound of its search if it could: the fit stands on the bound,
-    /// and on the near side of it the fit is clearly worse. Gives the parameter's name. A time constant may stand at its largest: of a longer one
-    /// the capture shows the same straight line.
+    /// and on the near side of it the fit is clearly worse. Gives the parameter's name. It may stand at the end from which on the capture shows the
+    /// same straight line.
     pub(crate) fn on_bound(structure: &Structure, capture: &Capture) -> Option<&'static str> {
         let index = structure.effects.len().checked_sub(1)?;
         let effect = structure.effects[index];
@@ -323,9 +323,10 @@ impl<'a> Nonlinear<'a> {
             }
             let value = effect.values()[search.parameter];
             let width = if search.logarithmic { value } else { largest - least };
-            let inward = if value <= least + 1e-3 * width {
+            let straight_end = effect.kind().straight_end(search.parameter);
+            let inward = if value <= least + 1e-3 * width && straight_end != Some(RangeEnd::Least) {
                 NEAR * width
-            } else if value >= largest - 1e-3 * width && !effect.kind().is_time_constant(search.parameter) {
+            } else if value >= largest - 1e-3 * width && straight_end != Some(RangeEnd::Largest) {
                 -NEAR * width
             } else {
                 return false;

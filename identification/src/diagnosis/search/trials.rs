@@ -239,7 +239,7 @@ impl Search<'_> {
     /// Whether the last effect may as well not be there: the intervals of all that makes its torque hold zero.
     pub(crate) fn is_nothing(&self, judged: &Judged) -> bool {
         let Some(effect) = judged.structure.effects.last() else { return true };
-        let Some(values) = intervals::given_time_constants(&judged.structure, self.train).pop() else { return true };
+        let Some(values) = intervals::given_straight_ends(&judged.structure, self.train).pop() else { return true };
         let searched = effect.kind().hypothesis.map_or(&[][..], |hypothesis| hypothesis.searched);
         let is_strength = |index: usize, unit: &str| {
             (unit.starts_with("mNm") || unit == "1") && searched.iter().all(|search| search.parameter != index)
