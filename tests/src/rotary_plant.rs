@@ -33,19 +33,19 @@ const WIDEST_SHARE: f64 = 0.1;
 /// right, and one in fifteen thousand by twice as much.
 const HALF_WIDTHS: f64 = 2.0;
 
-/// Asserts that every parameter is the plant's, but for a share by which the torque's scale is not known.
+/// Asserts that every parameter is the plant's, but for a share by which the torque is not known.
 ///
 /// # Panics
 /// Where one is not, or is missing.
 #[allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
-pub fn is_the_plants(parameters: &Value, of_scale: f64, what: &str) {
+pub fn is_the_plants(parameters: &Value, of_torque: f64, what: &str) {
     for (name, truth) in TRUTH {
         let parameter = &parameters[name];
         let [value, low, high] =
             [&parameter["value"], &parameter["ci95"][0], &parameter["ci95"][1]].map(|number| number.as_f64().unwrap());
         let half_width = (high - low) / 2.0;
         assert!(half_width < WIDEST_SHARE * truth, "{what}: {name} {value} ± {half_width}");
-        let permitted = HALF_WIDTHS * half_width + of_scale * if name == "inertia" { DRIVEN_INERTIA } else { truth };
+        let permitted = HALF_WIDTHS * half_width + of_torque * if name == "inertia" { DRIVEN_INERTIA } else { truth };
         assert!(
             (value - truth).abs() <= permitted,
             "{what}: {name} is {value} ± {half_width}, but the plant has {truth}"

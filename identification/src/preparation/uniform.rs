@@ -5,7 +5,7 @@ use dynamics::Calibration;
 use super::sampling::own_readings;
 use super::saturation::{Saturation, frozen, frozen_note};
 use super::spectrum::Spectrum;
-use crate::numerics::interpolation::advance;
+use crate::numerics::interpolation::{advance, cubic_weights};
 use crate::samples::{PickedSamples, Samples};
 use crate::uncertainty::statistics::{mean, median};
 
@@ -84,7 +84,7 @@ impl Uniform {
             compressed.push(pair[1] - time[0] - excess);
         }
         let length = (compressed[count - 1] / step + 1e-6) as usize + 1;
-        // Each grid point's sample before it, the share of the way to the next one, and whether the capture covers it.
+        // Each grid point, the sample before it, and whether the capture covers it.
         let mut points = Vec::with_capacity(length);
         let mut index = 0;
         for point in 0..length {
@@ -92,13 +92,13 @@ impl Uniform {
             while index + 2 < count && compressed[index + 1] <= at {
                 index += 1;
             }
-            let interval = compressed[index + 1] - compressed[index];
-            let share = ((at - compressed[index]) / interval).clamp(0.0, 1.0);
-            let near = share * interval < 0.25 * step || (1.0 - share) * interval < 0.25 * step;
-            points.push((index, share, interval <= GAP * step || near));
+            let [before, after] = [compressed[index], compressed[index + 1]];
+            let at = at.clamp(before, after);
+            let is_near = (at - before).min(after - at) < 0.25 * step;
+            points.push((at, index, after - before <= GAP * step || is_near));
         }
         let sampled = |column: &[f64]| {
-            points.iter().map(|(i, share, _)| column[*i] + share * (column[*i + 1] - column[*i])).collect::<Vec<_>>()
+            points.iter().map(|(at, index, _)| between(&compressed, column, *index, *at, step)).collect()
         };
         Self::of_columns(samples, step, points.iter().map(|point| point.2).collect(), sampled)
     }
@@ -200,6 +200,25 @@ impl Uniform {
             self.acceleration_lag_s = calibration.acceleration_delay_s;
         }
     }
+}
+
+/// A column's value at a time from a sample to the one after it: that of the cubic through these two and the nearest ones that are half
+/// a period or more beyond them, or of the straight line where a gap or an end is as near.
+fn between(time: &[f64], column: &[f64], index: usize, at: f64, step: f64) -> f64 {
+    let is_beyond = |one: f64, other: f64| (0.5 * step..=GAP * step).contains(&(one - other).abs());
+    let before = (0..index).rev().find(|other| time[index] - time[*other] >= 0.5 * step);
+    let after = (index + 2..time.len()).find(|other| time[*other] - time[index + 1] >= 0.5 * step);
+    if let (Some(before), Some(after)) = (before, after)
+        && is_beyond(time[index], time[before])
+        && is_beyond(time[index + 1], time[after])
+        && time[index + 1] - time[index] <= GAP * step
+    {
+        let places = [before, index, index + 1, after];
+        let weights = cubic_weights(places.map(|place| time[place] - at), 0.0);
+        return weights.iter().zip(places).map(|(weight, place)| weight * column[place]).sum();
+    }
+    let share = (at - time[index]) / (time[index + 1] - time[index]);
+    column[index] + share * (column[index + 1] - column[index])
 }
 
 /// The sample period, s: the mean step where all steps are alike, else their median; and whether they are alike.

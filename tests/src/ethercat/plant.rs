@@ -33,7 +33,7 @@ impl Plant {
             sensor_mnm: 0.0,
             is_bare,
             at_ns: now_ns,
-            random: 1,
+            random: now_ns,
         }
     }
 
@@ -48,20 +48,25 @@ impl Plant {
         }
     }
 
-    /// Kicks by the smooth torques, brakes by Coulomb friction without ever turning round, then drifts.
+    /// Kicks by the smooth torques, brakes by Coulomb friction without ever turning round, then drifts. The
+    /// sensors see the acceleration at the end of the step.
     fn step(&mut self, step_s: f64) {
         let inertia = ROTOR_INERTIA + KNOB_INERTIA;
         let before = self.velocity_rad_s;
-        let [detent_mnm, viscous, coulomb_mnm] =
+        let [amplitude_mnm, viscous, coulomb_mnm] =
             if self.is_bare { [0.0; 3] } else { [DETENT_MNM, VISCOUS, COULOMB_MNM] };
-        let detent_mnm = detent_mnm * (DETENTS_PER_TURN * self.angle_rad).sin();
-        let kicked = before + step_s * (self.motor_mnm - viscous * before - detent_mnm) / inertia;
+        let detent_mnm = |angle_rad: f64| amplitude_mnm * (DETENTS_PER_TURN * angle_rad).sin();
+        let kicked = before + step_s * (self.motor_mnm - viscous * before - detent_mnm(self.angle_rad)) / inertia;
         let brake = step_s * coulomb_mnm / inertia;
         self.velocity_rad_s = if kicked.abs() <= brake { 0.0 } else { kicked - brake.copysign(kicked) };
         self.angle_rad += 0.5 * step_s * (before + self.velocity_rad_s);
-        if step_s > 0.5 * STEP_S {
-            self.acceleration_rad_s2 = (self.velocity_rad_s - before) / step_s;
-        }
+        let free_mnm = self.motor_mnm - viscous * self.velocity_rad_s - detent_mnm(self.angle_rad);
+        let friction_mnm = if self.velocity_rad_s == 0.0 {
+            free_mnm.clamp(-coulomb_mnm, coulomb_mnm)
+        } else {
+            coulomb_mnm.copysign(self.velocity_rad_s)
+        };
+        self.acceleration_rad_s2 = (free_mnm - friction_mnm) / inertia;
         self.sensor_mnm = self.motor_mnm - ROTOR_INERTIA * self.acceleration_rad_s2;
     }
 

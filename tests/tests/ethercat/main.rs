@@ -9,6 +9,7 @@ mod faults;
 use std::io::{BufRead as _, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use archive::Capture;
@@ -76,8 +77,10 @@ acceleration_step_rad_s2 = 0.5
 
 /// A bench in a network of its own, with the segment on the other end of the wire.
 struct Wired {
-    bench: Bench,
     segment: Running,
+    bench: Bench,
+    /// One bench at a time: all pin their loops to the same core.
+    _turn: MutexGuard<'static, ()>,
 }
 
 /// A running segment; killed when this is dropped.
@@ -131,6 +134,8 @@ fn ip(arguments: &str) -> bool {
 impl Wired {
     /// `None`, which is said, where this process may not have a network of its own.
     fn new(options: &[&str]) -> Option<Self> {
+        static TURN: Mutex<()> = Mutex::new(());
+        let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let bench = Bench::new().unwrap();
         // Of this thread, and of whatever it starts.
         if let Err(error) = unshare(CloneFlags::CLONE_NEWNET) {
@@ -144,7 +149,7 @@ impl Wired {
             eprintln!("SKIPPED: no pair of virtual interfaces can be had (`ip link add type veth`)");
             return None;
         }
-        let wired = Self { bench, segment: Running::start(options) };
+        let wired = Self { segment: Running::start(options), bench, _turn: turn };
         wired.rig(|text| text);
         Some(wired)
     }
