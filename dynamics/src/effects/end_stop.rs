@@ -50,16 +50,12 @@ pub static KIND: EffectKind = EffectKind {
             minimum: Minimum::Zero,
         },
     ],
-    part: Part::Torque(|values, motion| {
-        let mut columns = [0.0; 3];
-        columns_at(values, motion, &mut columns);
-        torque_mnm(&columns, values)
-    }),
+    part: Part::Torque(|values, motion| torque_mnm(&columns_at(values, motion), values)),
     steepest_mnm_rad: Some(|effect| effect.values()[2].max(effect.values()[3])),
     regressors: Some(Regressors {
         columns: 3,
         searched: &[0, 1],
-        fill: |effect, motion, row| columns_at(effect.values(), motion, row),
+        fill: |effect, motion, row| row.copy_from_slice(&columns_at(effect.values(), motion)[..row.len()]),
         values: |coefficients, values| values[2..5].copy_from_slice(&coefficients[..3]),
         nonnegative: &[0, 1, 2],
     }),
@@ -81,7 +77,8 @@ pub static KIND: EffectKind = EffectKind {
                 same_as: None,
             },
         ],
-        nested: &[],
+        // A contact of a few milliseconds does not tell its damping.
+        nested: &[2, 3],
         lines: 1,
         least_turn_rad: None,
         per_capture: false,
@@ -124,19 +121,17 @@ fn around(end_rad: f64, from: f64, to: f64, scene: &Scene) -> (f64, f64) {
     (end_rad + from * scene.travel_rad(), end_rad + to * scene.travel_rad())
 }
 
-fn columns_at(values: &[f64], motion: &Motion, row: &mut [f64]) {
-    row[0] = (motion.angle_rad - values[0]).min(0.0);
-    row[1] = (motion.angle_rad - values[1]).max(0.0);
+fn columns_at(values: &[f64], motion: &Motion) -> [f64; 3] {
+    let lower_rad = (motion.angle_rad - values[0]).min(0.0);
+    let upper_rad = (motion.angle_rad - values[1]).max(0.0);
     // Where there is a stop on the other side only, there is no damper on this one.
     let [lower_mnm_rad, upper_mnm_rad] = [values[2], values[3]];
-    let is_at_lower = row[0] < 0.0 && (lower_mnm_rad > 0.0 || upper_mnm_rad <= 0.0);
-    let is_at_upper = row[1] > 0.0 && (upper_mnm_rad > 0.0 || lower_mnm_rad <= 0.0);
-    row[2] = if is_at_lower || is_at_upper { motion.velocity_rad_s } else { 0.0 };
+    let is_at_lower = lower_rad < 0.0 && (lower_mnm_rad > 0.0 || upper_mnm_rad <= 0.0);
+    let is_at_upper = upper_rad > 0.0 && (upper_mnm_rad > 0.0 || lower_mnm_rad <= 0.0);
+    let columns = [lower_rad, upper_rad, if is_at_lower || is_at_upper { motion.velocity_rad_s } else { 0.0 }];
     // Where the damper would pull, the contact lets go.
-    let torque_mnm = torque_mnm(row, values);
-    if row[0] < 0.0 && torque_mnm > 0.0 || row[1] > 0.0 && torque_mnm < 0.0 {
-        row[..3].fill(0.0);
-    }
+    let torque_mnm = torque_mnm(&columns, values);
+    if lower_rad < 0.0 && torque_mnm > 0.0 || upper_rad > 0.0 && torque_mnm < 0.0 { [0.0; 3] } else { columns }
 }
 
 fn torque_mnm(columns: &[f64], values: &[f64]) -> f64 {

@@ -72,6 +72,11 @@ pub(crate) fn fitted<'a>(
         fitted.push(judged);
         lines = more;
     }
+    // A damper without a spring is no stop.
+    let is_possible =
+        |judged: &Judged| judged.structure.effects.last().is_some_and(|stop| end_stop::absent_sides(stop) < 2);
+    let possible = fitted.iter().any(is_possible);
+    fitted.retain(|judged| is_possible(judged) == possible);
     fitted.into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence))
 }
 
