@@ -84,14 +84,12 @@ impl Stick {
             }
             let Some(away) = slide.border(&rest, Side::After, samples(BORDER_S)) else { continue };
             let read = |time_s: f64| breakaway(uniform, &slide, &rest, &away, samples(time_s), RINGING_S * rate_hz);
-            if let (Some((torque_mnm, rise_mnm)), Some((shorter_mnm, _))) = (read(RAMP_S), read(SHORTER_RAMP_S)) {
+            if let (Some(torque_mnm), Some(shorter_mnm)) = (read(RAMP_S), read(SHORTER_RAMP_S)) {
                 let readings = match away.direction {
                     Direction::Negative => &mut stick.negative_mnm,
                     Direction::Positive => &mut stick.positive_mnm,
                 };
-                let magnitude_mnm = torque_mnm * away.direction.sign();
-                // A motor that holds its torque from sample to sample climbs a staircase, of which the samples see one point a step.
-                readings.push(magnitude_mnm, magnitude_mnm + (shorter_mnm - torque_mnm).abs() + rise_mnm.abs());
+                readings.push(torque_mnm * away.direction.sign(), shorter_mnm * away.direction.sign());
             }
         }
         stick
@@ -148,7 +146,7 @@ impl Stick {
     }
 }
 
-/// The torque at a breakaway without detents, and its rise over a sample there; `None` for too short a ramp.
+/// The torque at a breakaway without detents; `None` for too short a ramp.
 fn breakaway(
     uniform: &Uniform,
     slide: &Slide<'_>,
@@ -156,14 +154,13 @@ fn breakaway(
     away: &Border,
     length: usize,
     ringing: f64,
-) -> Option<(f64, f64)> {
+) -> Option<f64> {
     let long_enough = away.instant - rest.start as f64 > length as f64 + ringing;
     if !long_enough {
         return None;
     }
     let (received_mnm, delay) = uniform.received_torque();
-    let (torque_mnm, rise_mnm) = ramp_end(received_mnm, delay, away.instant, length)?;
-    Some((torque_mnm - slide.angle_torque_mnm(away.rest_rad), rise_mnm))
+    Some(ramp_end(received_mnm, delay, away.instant, length)? - slide.angle_torque_mnm(away.rest_rad))
 }
 
 /// A number of times in words that read well.
@@ -201,15 +198,15 @@ fn rests(angle_rad: &[f64], noise_rad: f64, measured: &[bool], shortest: usize) 
 }
 
 /// Reads `received_mnm`, which comes `delay` samples late, at `instant` (in samples) off a parabola through the last
-/// `length` samples received up to then: none of them has seen anything that happened after. Also gives the rise over a sample there.
-fn ramp_end(received_mnm: &[f64], delay: f64, instant: f64, length: usize) -> Option<(f64, f64)> {
+/// `length` samples received up to then: none of them has seen anything that happened after.
+fn ramp_end(received_mnm: &[f64], delay: f64, instant: f64, length: usize) -> Option<f64> {
     let last = instant.floor().max(0.0) as usize;
     let first = (last + 1).checked_sub(length)?;
     let torque = received_mnm.get(first..=last)?;
     let before: Vec<f64> = (first..=last).map(|index| (index as f64 - delay - instant) / length as f64).collect();
     let columns = [vec![1.0; length], before.clone(), before.iter().map(|time| time * time).collect()];
     let parabola = LeastSquares::solve(&columns, torque);
-    Some((parabola.coefficients[0], parabola.coefficients[1] / length as f64))
+    Some(parabola.coefficients[0])
 }
 
 /// Readings of one quantity.
@@ -257,9 +254,8 @@ mod tests {
     fn a_bent_ramp_that_arrives_late_is_read_at_the_instant() {
         let torque = |time: f64| 3.0 + 0.2 * time - 0.001 * time * time;
         let received: Vec<f64> = (0..100).map(|n| torque(f64::from(n) - 1.7)).collect();
-        let (read, rise) = ramp_end(&received, 1.7, 60.4, 20).expect("the ramp lies within the samples");
+        let read = ramp_end(&received, 1.7, 60.4, 20).expect("the ramp lies within the samples");
         assert!((read - torque(60.4)).abs() < 1e-9, "{read}");
-        assert!((rise - (0.2 - 0.002 * 60.4)).abs() < 1e-9, "{rise}");
     }
 
     #[test]
