@@ -76,32 +76,17 @@ impl EffectKind {
         }
     }
 
+    /// The searches for its parameters; none without a hypothesis.
+    #[must_use]
+    pub fn searches(&self) -> &'static [Search] {
+        self.hypothesis.map_or(&[], |hypothesis| hypothesis.searched)
+    }
+
     /// The searches among these parameters, but for what follows another effect's; none without a hypothesis.
     pub fn free_searches(&self, columns: usize) -> impl Iterator<Item = &'static Search> + use<> {
         let used = self.parameters_in(columns);
-        let searched = self.hypothesis.map_or(&[][..], |hypothesis| hypothesis.searched);
-        searched.iter().filter(move |search| search.same_as.is_none() && search.parameter < used)
+        self.searches().iter().filter(move |search| search.same_as.is_none() && search.parameter < used)
     }
-
-    /// At which end of a parameter's range the effect is a straight line over the capture, which it stays beyond that end: where a time constant
-    /// is much longer than the capture, or the period of an inertia than the travel. `None` of any other parameter.
-    #[must_use]
-    pub fn straight_end(&self, parameter: usize) -> Option<RangeEnd> {
-        match (self.depends_on, self.role, self.parameters[parameter].unit) {
-            ([Coordinate::Time], _, "s") => Some(RangeEnd::Largest),
-            (_, Role::Inertia, "1") => Some(RangeEnd::Least),
-            _ => None,
-        }
-    }
-}
-
-/// An end of a parameter's range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RangeEnd {
-    /// The lower one.
-    Least,
-    /// The upper one.
-    Largest,
 }
 
 /// A quantity on which an effect may depend.

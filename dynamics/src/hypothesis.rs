@@ -82,8 +82,20 @@ pub struct Search {
     pub starts: fn(&Scene) -> usize,
     /// Whether values are tried in equal ratios rather than at equal distances.
     pub logarithmic: bool,
+    /// The end of the range at which the effect is a straight line over the capture, which it stays beyond that end: where a time constant is
+    /// much longer than the capture, or the period of an inertia than the travel.
+    pub straight_end: Option<RangeEnd>,
     /// The parameter of another effect that this one is always equal to.
     pub same_as: Option<&'static str>,
+}
+
+/// An end of a parameter's range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RangeEnd {
+    /// The lower one.
+    Least,
+    /// The upper one.
+    Largest,
 }
 
 impl Search {

@@ -55,11 +55,10 @@ pub use coupling::Coupling;
 pub use effect::Effect;
 pub(crate) use effect_kind::spaced_unit;
 pub use effect_kind::{
-    Coordinate, Direction, EffectKind, MAX_PARAMETERS, Minimum, ParameterKind, Part, RangeEnd, Regressors, StickLimits,
-    TableUse,
+    Coordinate, Direction, EffectKind, MAX_PARAMETERS, Minimum, ParameterKind, Part, Regressors, StickLimits, TableUse,
 };
 pub use excitation::{Drive, Excitation, Setpoint};
-pub use hypothesis::{Hypothesis, Scene, Search};
+pub use hypothesis::{Hypothesis, RangeEnd, Scene, Search};
 pub use inner_body::{InnerBody, Resolution};
 pub use model::Model;
 pub use motion::Motion;

@@ -2,7 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::{Coordinate, EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Role, Search};
+use crate::{
+    Coordinate, EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, RangeEnd, Regressors, Role, Search,
+};
 
 /// `angle-dependent-inertia`: the inertia is larger by D·cos(n·θ + δ), and the torque by its slope times θ̇²/2 besides.
 pub static KIND: EffectKind = EffectKind {
@@ -67,6 +69,7 @@ pub static KIND: EffectKind = EffectKind {
             },
             starts: |scene| Search::starts_over(MOST_PER_TURN * scene.travel_rad() / TAU),
             logarithmic: false,
+            straight_end: Some(RangeEnd::Least),
             same_as: None,
         }],
         nested: &[],

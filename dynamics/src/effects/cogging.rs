@@ -124,6 +124,7 @@ const fn per_turn(parameter: usize) -> Search {
         },
         starts: |scene| Search::starts_over(finest_per_turn(scene) * scene.travel_rad() / TAU),
         logarithmic: false,
+        straight_end: None,
         same_as: None,
     }
 }

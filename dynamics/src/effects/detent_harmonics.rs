@@ -79,6 +79,7 @@ pub static KIND: EffectKind = EffectKind {
             range: |scene| scene.detent_period_rad.map(|period| (0.99 * period, 1.01 * period)),
             starts: |_| 1,
             logarithmic: false,
+            straight_end: None,
             same_as: Some("detent_period"),
         }],
         nested: &[2, 4, 6, 10, 14, COLUMNS],

@@ -41,6 +41,7 @@ pub static KIND: EffectKind = EffectKind {
             range: |scene| Some((0.05 * scene.median_speed_rad_s, scene.highest_speed_rad_s)),
             starts: |_| 8,
             logarithmic: true,
+            straight_end: None,
             same_as: None,
         }],
         nested: &[],

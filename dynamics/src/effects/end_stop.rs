@@ -67,6 +67,7 @@ pub static KIND: EffectKind = EffectKind {
                 range: |scene| Some(around(scene.lowest_rad, -BEYOND, WITHIN, scene)),
                 starts: |_| 9,
                 logarithmic: false,
+                straight_end: None,
                 same_as: None,
             },
             Search {
@@ -74,6 +75,7 @@ pub static KIND: EffectKind = EffectKind {
                 range: |scene| Some(around(scene.highest_rad, -WITHIN, BEYOND, scene)),
                 starts: |_| 9,
                 logarithmic: false,
+                straight_end: None,
                 same_as: None,
             },
         ],

@@ -1,6 +1,6 @@
 //! Friction that changes with time.
 
-use crate::{Coordinate, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role, Search};
+use crate::{Coordinate, EffectKind, Hypothesis, Minimum, ParameterKind, Part, RangeEnd, Regressors, Role, Search};
 
 /// `friction-drift`: all friction times 1 + d·exp(−t/T), as when grease warms.
 pub static KIND: EffectKind = EffectKind {
@@ -40,6 +40,7 @@ pub static KIND: EffectKind = EffectKind {
             range: |scene| Some((0.05 * scene.duration_s, 5.0 * scene.duration_s)),
             starts: |_| 6,
             logarithmic: true,
+            straight_end: Some(RangeEnd::Largest),
             same_as: None,
         }],
         nested: &[],

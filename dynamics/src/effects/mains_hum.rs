@@ -56,6 +56,7 @@ pub static KIND: EffectKind = EffectKind {
             },
             starts: |scene| Search::starts_over(12.0 * scene.duration_s),
             logarithmic: false,
+            straight_end: None,
             same_as: None,
         }],
         nested: &[],

@@ -36,6 +36,7 @@ pub static KIND: EffectKind = EffectKind {
             },
             starts: |_| 14,
             logarithmic: true,
+            straight_end: None,
             same_as: None,
         }],
         nested: &[],

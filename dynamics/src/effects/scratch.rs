@@ -62,6 +62,7 @@ const fn edge(parameter: usize) -> Search {
         },
         starts: |_| 20,
         logarithmic: false,
+        straight_end: None,
         same_as: None,
     }
 }

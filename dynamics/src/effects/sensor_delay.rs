@@ -28,6 +28,7 @@ pub static KIND: EffectKind = EffectKind {
             // Three to a period of what is fastest.
             starts: |scene| Search::starts_over(2.0 * longest_s(scene) * scene.band_hz),
             logarithmic: false,
+            straight_end: None,
             same_as: None,
         }],
         nested: &[],

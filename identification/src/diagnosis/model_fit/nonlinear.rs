@@ -281,7 +281,8 @@ impl<'a> Nonlinear<'a> {
     pub(crate) fn with_straight_end(&self) -> impl Iterator<Item = usize> + '_ {
         let has_straight_end = |value: &FreeValue| match value.searched {
             Searched::Parameter { effect, parameter, .. } => {
-                self.structure.effects[effect].kind().straight_end(parameter).is_some()
+                let mut searches = self.structure.effects[effect].kind().searches().iter();
+                searches.any(|search| search.parameter == parameter && search.straight_end.is_some())
             }
             Searched::Skew => false,
         };
@@ -323,10 +324,9 @@ impl<'a> Nonlinear<'a> {
             }
             let value = effect.values()[search.parameter];
             let width = if search.logarithmic { value } else { largest - least };
-            let straight_end = effect.kind().straight_end(search.parameter);
-            let inward = if value <= least + 1e-3 * width && straight_end != Some(RangeEnd::Least) {
+            let inward = if value <= least + 1e-3 * width && search.straight_end != Some(RangeEnd::Least) {
                 NEAR * width
-            } else if value >= largest - 1e-3 * width && straight_end != Some(RangeEnd::Largest) {
+            } else if value >= largest - 1e-3 * width && search.straight_end != Some(RangeEnd::Largest) {
                 -NEAR * width
             } else {
                 return false;
@@ -450,7 +450,7 @@ fn free_values(structure: &Structure, capture: &Capture) -> Vec<FreeValue> {
         if matches!(kind.part, Part::Stick(_)) {
             continue;
         }
-        let searches = kind.hypothesis.map_or(&[][..], |hypothesis| hypothesis.searched);
+        let searches = kind.searches();
         let used = kind.parameters_in(structure.columns[index]);
         for (parameter, parameter_kind) in kind.parameters.iter().enumerate().take(used) {
             let now = effect.values()[parameter];

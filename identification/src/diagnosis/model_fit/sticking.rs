@@ -79,7 +79,7 @@ fn trials(structure: &Structure, largest_mnm: f64, train: &Capture) -> Vec<Struc
 fn within_range(mut structure: Structure, index: usize, train: &Capture) -> Structure {
     let scene = train.scene_of(&structure);
     let effect = &mut structure.effects[index];
-    for search in effect.kind().hypothesis.map_or(&[][..], |hypothesis| hypothesis.searched) {
+    for search in effect.kind().searches() {
         if let Some((least, largest)) = (search.range)(&scene) {
             let value = &mut effect.values_mut()[search.parameter];
             *value = value.max(least).min(largest);

@@ -242,7 +242,7 @@ impl Structure {
         self.effects[effect].values_mut()[parameter] = value;
         let name = self.effects[effect].kind().parameters[parameter].name;
         for other in &mut self.effects {
-            for search in other.kind().hypothesis.iter().flat_map(|hypothesis| hypothesis.searched) {
+            for search in other.kind().searches() {
                 if search.same_as == Some(name) {
                     other.values_mut()[search.parameter] = value;
                 }

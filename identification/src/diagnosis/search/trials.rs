@@ -240,7 +240,7 @@ impl Search<'_> {
     pub(crate) fn is_nothing(&self, judged: &Judged) -> bool {
         let Some(effect) = judged.structure.effects.last() else { return true };
         let Some(values) = intervals::given_straight_ends(&judged.structure, self.train).pop() else { return true };
-        let searched = effect.kind().hypothesis.map_or(&[][..], |hypothesis| hypothesis.searched);
+        let searched = effect.kind().searches();
         let is_strength = |index: usize, unit: &str| {
             (unit.starts_with("mNm") || unit == "1") && searched.iter().all(|search| search.parameter != index)
         };

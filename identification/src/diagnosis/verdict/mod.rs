@@ -3,10 +3,11 @@
 pub(crate) mod commanded;
 pub(crate) mod experiment;
 pub(crate) mod locate;
+mod shown_in_part;
 
 use std::collections::BTreeMap;
 
-use dynamics::{Effect, Model, effects, simulate};
+use dynamics::{Model, effects, simulate};
 
 use self::locate::locate;
 use crate::diagnosis::capture::{Capture, SLIDING, rows};
@@ -65,29 +66,6 @@ fn note_on_time_and_speed(train: &Capture) -> Option<String> {
          friction that changes with speed; capture a motion whose speed rises and falls"
             .to_owned()
     })
-}
-
-/// Leaves out the intervals of a drift that holds no drift: over the capture it may as well be a straight line, of which the slope is known, and
-/// neither how far it goes nor for how long.
-fn leave_out_straight_drift(effect: &Effect, values: &mut BTreeMap<&'static str, Value>) {
-    let excess = &effects::friction_drift::KIND.parameters[0];
-    let holds_none =
-        values.get(excess.name).is_some_and(|value| value.ci95.is_none_or(|[low, high]| low <= 0.0 && 0.0 <= high));
-    if effect.kind().name == effects::friction_drift::KIND.name && holds_none {
-        values.values_mut().for_each(|value| value.ci95 = None);
-    }
-}
-
-/// A note on such a drift.
-fn note_on_straight_drift(effect: &Effect, values: &BTreeMap<&'static str, Value>) -> Option<String> {
-    let [excess, time] = [0, 1].map(|parameter| &effects::friction_drift::KIND.parameters[parameter]);
-    let Value { value: excess, ci95: None, .. } = values.get(excess.name)? else { return None };
-    let percent_per_s = -100.0 * excess / ((1.0 + excess) * values.get(time.name)?.value);
-    Some(format!(
-        "{}: the training capture shows only its beginning, a straight line of {percent_per_s:+.2} % of the friction a second; capture for longer to \
-         see where it settles",
-        effect.kind().name
-    ))
 }
 
 /// Why the effects added may not be all: more is left than the sensors' noise; or so much less that the noise is not known; or the first model
@@ -229,8 +207,10 @@ impl Search<'_> {
         diagnosis.notes.extend(self.on_bounds(found).into_iter().map(|(effect, reason)| {
             format!("{effect}: {reason}: it may be another effect; capture a wider and a faster motion")
         }));
-        let effects = last.structure.effects.iter().zip(&values);
-        diagnosis.notes.extend(effects.filter_map(|(effect, values)| note_on_straight_drift(effect, values)));
+        let (model, scene) = (last.structure.model(), self.train.scene());
+        let effects = model.effects.iter().zip(&values);
+        let notes = effects.filter_map(|(effect, values)| shown_in_part::note(effect, &model, values, scene));
+        diagnosis.notes.extend(notes);
         diagnosis.notes.extend(rest);
         if verdict == Verdict::OutsideLibrary {
             let strongest = diagnosis.where_after.iter().find(|location| location.significant);
@@ -248,7 +228,8 @@ impl Search<'_> {
     /// The knob's values with intervals, effect by effect.
     fn values(&self, structure: &Structure) -> Vec<BTreeMap<&'static str, Value>> {
         let mut values = intervals::of(structure, self.train);
-        structure.effects.iter().zip(&mut values).for_each(|(effect, values)| leave_out_straight_drift(effect, values));
+        let effects = structure.effects.iter().zip(&mut values);
+        effects.for_each(|(effect, values)| shown_in_part::leave_out_intervals(effect, values));
         let [borne, knob] = [structure.model(), self.knob(structure)];
         for (values, (borne, knob)) in values.iter_mut().zip(borne.effects.iter().zip(&knob.effects)) {
             for ((parameter, borne), (_, knob)) in borne.parameters().zip(knob.parameters()) {
