@@ -3,4 +3,5 @@
 pub(crate) mod derivative;
 pub(crate) mod fourier;
 pub(crate) mod interpolation;
+pub(crate) mod lag;
 pub(crate) mod vector;

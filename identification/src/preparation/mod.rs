@@ -8,6 +8,7 @@ pub mod filter;
 pub(crate) mod fixed_preparation;
 mod fusion;
 pub(crate) mod motion;
+pub(crate) mod outliers;
 pub(crate) mod row_filter;
 pub(crate) mod sampling;
 pub(crate) mod saturation;

@@ -2,10 +2,12 @@
 
 use dynamics::Calibration;
 
+use super::outliers::without_outliers;
 use super::sampling::own_readings;
 use super::saturation::{Saturation, frozen, frozen_note};
 use super::spectrum::Spectrum;
 use crate::numerics::interpolation::{advance, cubic_weights};
+use crate::numerics::lag::lagged;
 use crate::samples::{PickedSamples, Samples};
 use crate::uncertainty::statistics::{mean, median};
 
@@ -46,9 +48,11 @@ impl Uniform {
     pub(crate) fn of(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Self {
         let (readings, note) = own_readings(samples).unzip();
         let samples = &readings.as_ref().map_or(*samples, PickedSamples::samples);
+        let (cleaned, outliers) = without_outliers(samples.torque_mnm).unzip();
+        let samples = &Samples { torque_mnm: cleaned.as_deref().unwrap_or(samples.torque_mnm), ..*samples };
         let mut uniform = Self::on_grid(samples);
         uniform.leave_out_faults(samples, calibration);
-        uniform.notes.extend(note);
+        uniform.notes.extend(note.into_iter().chain(outliers));
         // Before any interpolation, which would take off the upper end.
         let rate_hz = uniform.rate_hz;
         uniform.torque_density = Spectrum::welch(&uniform.torque_mnm, rate_hz).median(0.35 * rate_hz, 0.5 * rate_hz);
@@ -242,23 +246,4 @@ fn rounded(step_s: f64) -> f64 {
 /// The whole part of a number of samples; a number just below a whole one for rounding alone counts as that.
 pub(crate) fn whole(samples: f64) -> usize {
     (samples * (1.0 + 1e-9)) as usize
-}
-
-/// The signal behind a first-order low-pass with a time constant of `lag` samples, exact for straight lines between samples.
-fn lagged(signal: &[f64], lag: f64) -> Vec<f64> {
-    let Some(first) = signal.first().filter(|_| lag > 0.0) else {
-        return signal.to_vec();
-    };
-    let decay = (-1.0 / lag).exp();
-    let (mut previous, mut state) = (*first, *first);
-    signal
-        .iter()
-        .map(|value| {
-            let slope = value - previous;
-            // Behind a ramp the output trails by slope · lag; what it was further away decays.
-            state = value - slope * lag + (state - previous + slope * lag) * decay;
-            previous = *value;
-            state
-        })
-        .collect()
 }

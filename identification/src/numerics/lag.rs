@@ -1,0 +1,20 @@
+//! A first-order lag.
+
+/// The signal behind a first-order low-pass with a time constant of `lag` samples, exact for straight lines between samples.
+pub(crate) fn lagged(signal: &[f64], lag: f64) -> Vec<f64> {
+    let Some(first) = signal.first().filter(|_| lag > 0.0) else {
+        return signal.to_vec();
+    };
+    let decay = (-1.0 / lag).exp();
+    let (mut previous, mut state) = (*first, *first);
+    signal
+        .iter()
+        .map(|value| {
+            let slope = value - previous;
+            // Behind a ramp the output trails by slope · lag; what it was further away decays.
+            state = value - slope * lag + (state - previous + slope * lag) * decay;
+            previous = *value;
+            state
+        })
+        .collect()
+}

@@ -1,0 +1,98 @@
+//! Single readings of the torque that stand out alone, as a garbled frame or a disturbed line leaves them.
+
+use crate::numerics::vector::smallest_step;
+use crate::uncertainty::statistics::median;
+
+/// Standard deviations of the readings around it by which one must stand out from what lies between its neighbours …
+const STANDS_OUT: f64 = 12.0;
+/// … and up to which these must fit to each other without it.
+const ORDINARY: f64 = 5.0;
+/// Readings on either side from which that deviation is estimated, since fast motion makes it larger.
+const AROUND: usize = 32;
+/// Largest share of the readings: more are no mishaps.
+const MOST: f64 = 0.01;
+/// Median of magnitudes over standard deviation of the normal distribution.
+const MEDIAN_OVER_DEVIATION: f64 = 0.6745;
+/// Weights of the cubic half way between two readings, from one before them to one behind.
+const MIDDLE: [f64; 4] = [-1.0 / 6.0, 4.0 / 6.0, 4.0 / 6.0, -1.0 / 6.0];
+
+/// The torque with such readings replaced by the cubics through their neighbours, and a note that says so; `None` where there are none.
+pub(crate) fn without_outliers(torque_mnm: &[f64]) -> Option<(Vec<f64>, String)> {
+    let deviations: Vec<f64> = (0..torque_mnm.len()).map(|at| deviation(torque_mnm, at)).collect();
+    let coarse = smallest_step(torque_mnm);
+    let mut cleaned = torque_mnm.to_vec();
+    let mut outliers = 0;
+    // Farther than two readings away an outlier deviates nothing. The median around each reading would take long.
+    let may_stand_out = |at: &usize| {
+        let here = deviations[*at].abs();
+        let is_quiet = |near: usize| deviations.get(near).is_none_or(|near| 2.0 * near.abs() < here);
+        here > STANDS_OUT * coarse && (3..=6).all(|apart| is_quiet(at + apart) && is_quiet(at.wrapping_sub(apart)))
+    };
+    for at in (2..torque_mnm.len().saturating_sub(2)).filter(may_stand_out) {
+        let around = at.saturating_sub(AROUND)..(at + AROUND + 1).min(deviations.len());
+        let mut magnitudes: Vec<f64> = deviations[around].iter().map(|deviation| deviation.abs()).collect();
+        let typical = (median(&mut magnitudes) / MEDIAN_OVER_DEVIATION).max(coarse);
+        // The one before may have been an outlier, and is none any more.
+        let (reading, deviates) = (cleaned[at], deviation(&cleaned, at));
+        if deviates.abs() <= STANDS_OUT * typical {
+            continue;
+        }
+        cleaned[at] -= deviates;
+        if (at - 2..=at + 2).all(|near| deviation(&cleaned, near).abs() <= ORDINARY * typical) {
+            outliers += 1;
+        } else {
+            cleaned[at] = reading;
+        }
+    }
+    let is_seldom = f64::from(outliers) <= MOST * torque_mnm.len() as f64;
+    (outliers > 0 && is_seldom).then(|| {
+        let note = format!(
+            "single readings of the torque that stand out from all around them: {outliers}; they were replaced by what lies between their \
+             neighbours: look for a loose contact or a disturbed line"
+        );
+        (cleaned, note)
+    })
+}
+
+/// By how much a reading differs from the cubic through the two before and the two after it; 0 next to an end.
+fn deviation(torque_mnm: &[f64], at: usize) -> f64 {
+    let Some([first, second, here, third, fourth]) = at.checked_sub(2).and_then(|from| torque_mnm.get(from..at + 3))
+    else {
+        return 0.0;
+    };
+    here - [first, second, third, fourth].iter().zip(MIDDLE).map(|(value, weight)| *value * weight).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::without_outliers;
+
+    /// A torque that reverses like Coulomb friction, with a little noise by formula.
+    fn torque_mnm() -> Vec<f64> {
+        let noise = |at: f64| 0.05 * ((at * 12.9898).sin() * 43_758.545).fract();
+        (0..2000u32).map(f64::from).map(|at| 3.0 * (0.01 * at).sin().signum() + (0.03 * at).sin() + noise(at)).collect()
+    }
+
+    #[test]
+    fn a_reading_that_stands_out_alone_is_replaced_and_nothing_else() {
+        let clean = torque_mnm();
+        assert!(without_outliers(&clean).is_none(), "reversals are no outliers");
+        let mut disturbed = clean.clone();
+        disturbed[700] += 15.0;
+        disturbed[1201] -= 4.0;
+        let (cleaned, note) = without_outliers(&disturbed).expect("two readings stand out");
+        assert!(note.contains(": 2;"), "{note}");
+        let farthest = cleaned.iter().zip(&clean).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+        assert!(farthest < 0.2, "{farthest}");
+    }
+
+    #[test]
+    fn impacts_that_ring_and_peaks_that_recur_stay() {
+        let mut torque = torque_mnm();
+        torque[500..504].copy_from_slice(&[8.0, -6.0, 4.0, -2.0]);
+        assert!(without_outliers(&torque).is_none());
+        let mut torque = torque_mnm();
+        torque.iter_mut().step_by(40).for_each(|torque| *torque += 5.0);
+        assert!(without_outliers(&torque).is_none());
+    }
+}
