@@ -4,15 +4,15 @@
 //! friction that rises from near zero speed, a torque that is late, a band in which something rings. The parameters then depend on
 //! which speeds and which frequencies they were fitted to. They are fitted again with the rows next to where the knob turns round
 //! without a rest, which the fit leaves out since its filters reach across; to half the band; to the faster and to the slower half of
-//! the motion; and beside effects that the model lacks (`omitted.rs`). Where an estimate moves by more than chance explains
-//! (J. A. Hausman, Econometrica 46, 1978, 1251–1271), its interval reaches to where the other estimate puts it.
+//! the motion; beside effects that the model lacks (`omitted.rs`); and with a torque that is late (`late_torque.rs`). Where an estimate moves by
+//! more than chance explains (J. A. Hausman, Econometrica 46, 1978, 1251–1271), its interval reaches to where the other estimate puts it.
 
-use nalgebra::{DMatrix, DVector, RowDVector};
+use nalgebra::{DMatrix, RowDVector};
 
-use super::omitted;
+use super::shift::Shift;
 use super::trimmed::{Rows, Trimmed};
+use super::{late_torque, omitted};
 use crate::preparation::row_filter::{ROWS_PER_EDGE, row_low_pass};
-use crate::regression::least_squares::LeastSquares;
 use crate::regression::problem::Problem;
 use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, median};
 
@@ -21,8 +21,8 @@ const NARROWER: f64 = 0.5;
 const EVERY: usize = 2;
 /// A difference of two estimates is known at best to this share of the second one's variance.
 const LEAST_VARIANCE: f64 = 0.25;
-/// Two-sided 95 % of the normal distribution shared among nine better models (Bonferroni), in standard deviations.
-const SHARED_95: f64 = 2.77;
+/// Two-sided 95 % of the normal distribution shared among ten better models (Bonferroni), in standard deviations.
+const SHARED_95: f64 = 2.81;
 /// One-sided 95 % of the normal distribution, in standard deviations.
 const ONE_SIDED_95: f64 = 1.645;
 
@@ -34,45 +34,6 @@ pub(crate) struct Misfit {
     unbounded: Option<Shift>,
     /// What the model clearly lacks.
     pub(super) note: Option<String>,
-}
-
-/// Other estimates of the coefficients.
-pub(super) struct Shift {
-    pub(super) change: DVector<f64>,
-    /// Covariance of the other estimates.
-    pub(super) covariance: DMatrix<f64>,
-    /// Whether they are estimates of a better model, and not only of other rows.
-    pub(super) is_of_better_model: bool,
-}
-
-impl Shift {
-    /// The estimates from `rows` that went through `change`, the coefficients `at_zero` held there; `None` where the rows do
-    /// not give all of them.
-    fn of(
-        trimmed: &Trimmed<'_>,
-        Rows { columns, target }: &Rows,
-        at_zero: &[bool],
-        change: impl Fn(&[f64]) -> Vec<f64>,
-    ) -> Option<Self> {
-        let solution = &trimmed.solution;
-        let is_fitted = |index: usize| !solution.collinear[index] && !at_zero[index];
-        let target = change(target);
-        let columns: Vec<Vec<f64>> = columns
-            .iter()
-            .enumerate()
-            .map(|(index, column)| if is_fitted(index) { change(column) } else { vec![0.0; target.len()] })
-            .collect();
-        let other = LeastSquares::solve(&columns, &target);
-        if (0..columns.len()).any(|index| is_fitted(index) && other.collinear[index]) {
-            return None;
-        }
-        let covariance = other.robust_of_points(&columns, columns.len());
-        let change = DVector::from_iterator(
-            columns.len(),
-            other.coefficients.iter().zip(&solution.coefficients).map(|(other, fitted)| other - fitted),
-        );
-        Some(Self { change, covariance, is_of_better_model: false })
-    }
 }
 
 impl Misfit {
@@ -104,8 +65,9 @@ impl Misfit {
         ];
         let is_free = vec![false; at_zero.len()];
         let unbounded = is_held.then(|| Shift::of(trimmed, &fitted, &is_free, <[f64]>::to_vec)).flatten();
-        let (beside_omitted, note) = omitted::shifts(trimmed, torque_mnm, robust);
-        Self { others: shifts.into_iter().flatten().chain(beside_omitted).collect(), unbounded, note }
+        let (beside_omitted, note) = omitted::shifts(trimmed, robust);
+        let others = shifts.into_iter().flatten().chain(beside_omitted);
+        Self { others: others.chain(late_torque::shifts(trimmed, torque_mnm, robust)).collect(), unbounded, note }
     }
 
     /// Half width of the 95 % interval of Σ `derivatives`ⱼ·coefficientⱼ, of which the fit alone gives the half width `by_chance` and the

@@ -1,9 +1,11 @@
 //! From samples to a fitted model.
 
+mod late_torque;
 mod misfit;
 mod omitted;
 mod prepared;
 pub(crate) mod report;
+mod shift;
 mod trimmed;
 
 use crate::estimate::Fit;

@@ -3,11 +3,8 @@
 use dynamics::effects::friction;
 use nalgebra::{DMatrix, DVector};
 
-use super::misfit::Shift;
+use super::shift::Shift;
 use super::trimmed::Trimmed;
-use crate::numerics::derivative::gradient;
-use crate::numerics::interpolation::advance;
-use crate::numerics::lag::lagged;
 use crate::numerics::vector::{self, dot};
 use crate::regression::least_squares::{LeastSquares, residual};
 use crate::regression::problem::{Column, Problem};
@@ -21,10 +18,6 @@ const FAR_RAD: f64 = 1.0;
 /// Least share of an omitted column's square that the fit's columns must leave: a smaller rest may be noise of the motion, as where a
 /// sinusoidal sweep makes angle and acceleration alike.
 const INSEPARABLE: f64 = 1e-2;
-/// Steps in which a delay is found.
-const DELAY_STEPS: usize = 3;
-/// By so much a lag may leave more than a delay, in mean squares of a row, for the lag to be as likely: two nats.
-const WORSE_BY: f64 = 4.0;
 /// Share of the residual's sum of squares from which on omitted effects are reported.
 const WORTH_A_NOTE: f64 = 0.25;
 
@@ -36,16 +29,16 @@ struct Group {
 }
 
 /// A column of an omitted effect.
-struct Omitted {
-    column: Column,
+pub(super) struct Omitted {
+    pub(super) column: Column,
     /// Whether only the part beyond the model's own friction counts; otherwise the levels of friction would be those at the start, at
     /// standstill or at one angle.
-    is_beyond_friction: bool,
+    pub(super) is_beyond_friction: bool,
 }
 
-/// Shifts of the estimates beside each group of effects, beside all of them, for a spring's rest angle and for a late torque, and a note on the group that explains most of the residual,
-/// if that is much. `robust` is the covariance of the fit.
-pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix<f64>) -> (Vec<Shift>, Option<String>) {
+/// Shifts of the estimates beside each group of effects, beside all of them, and for a spring's rest angle, and a note on the
+/// group that explains most of the residual, if that is much. `robust` is the covariance of the fit.
+pub(super) fn shifts(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> (Vec<Shift>, Option<String>) {
     let groups = groups(trimmed);
     let beside = |group: &Group| group.columns.iter().filter_map(|omitted| Beside::of(omitted, trimmed)).collect();
     let beside: Vec<Vec<Beside>> = groups.iter().map(beside).collect();
@@ -64,7 +57,6 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix
     let mut shifts: Vec<Shift> = each.into_iter().chain([all]).flatten().map(|(shift, _)| shift).collect();
     if trimmed.curves.is_none() {
         shifts.extend(rest_angle(trimmed, robust).into_iter().flatten());
-        shifts.extend(late(trimmed, torque_mnm, robust));
     }
     (shifts, note)
 }
@@ -94,75 +86,6 @@ fn rest_angle(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<[Shift; 2]
             is_of_better_model: true,
         }
     }))
-}
-
-/// The shifts of the estimates if the torque is late as a whole, and if it lags as behind a first-order low-pass, which leaves fast torques
-/// smaller besides. Of a longer delay the column, linear in it, is not enough; a lag's torque is exactly that received plus its slope times the lag.
-fn late(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix<f64>) -> Vec<Shift> {
-    let Trimmed { problem: Problem { row_filter, .. }, solution, .. } = trimmed;
-    let rate_hz = row_filter.rate_hz;
-    let slope = gradient(torque_mnm, rate_hz);
-    let delayed = |delay_s: f64| row_filter.rows(&advance(torque_mnm, delay_s * rate_hz));
-    let lagging = |lag_s: f64| {
-        let aligned: Vec<f64> = torque_mnm.iter().zip(&slope).map(|(torque, slope)| torque + lag_s * slope).collect();
-        row_filter.rows(&aligned)
-    };
-    let squares = |left: &[f64]| dot(left, left);
-    let fitted = squares(&solution.residual);
-    let mut shifts = Vec::new();
-    let (delay_s, beside, least) = match &trimmed.delay {
-        Some(delay) => {
-            let omitted = Omitted { column: delay.column.clone(), is_beyond_friction: false };
-            let Some(beside) = Beside::of(&omitted, trimmed) else { return shifts };
-            let (shift, left) = aligned(trimmed, robust, delay.delay_s, Some(&beside), delayed);
-            if squares(&left) < fitted && delay.delay_s.abs() * rate_hz >= 1.0 {
-                shifts.push(shift);
-            }
-            (delay.delay_s, Some(beside), squares(&left))
-        }
-        None => (trimmed.delay_s, None, fitted),
-    };
-    if delay_s > 0.0 {
-        let (shift, left) = aligned(trimmed, robust, delay_s, beside.as_ref(), lagging);
-        // The slope is noisier than the torque; behind the lag both are as noisy.
-        let left = lagged(&left, delay_s * rate_hz / row_filter.step as f64);
-        if squares(&left) < least * (1.0 + WORSE_BY / left.len() as f64) {
-            shifts.push(shift);
-        }
-    }
-    shifts
-}
-
-/// The shift of the estimates with the torque aligned by a delay, which is refined if it has a column `beside` those of the fit, and the
-/// residual.
-fn aligned(
-    Trimmed { columns, target, solution, .. }: &Trimmed<'_>,
-    robust: &DMatrix<f64>,
-    mut delay_s: f64,
-    beside: Option<&Beside>,
-    align: impl Fn(f64) -> Vec<f64>,
-) -> (Shift, Vec<f64>) {
-    let mut steps = if beside.is_some() { DELAY_STEPS } else { 1 };
-    loop {
-        let aligned = align(delay_s);
-        let moved: Vec<f64> = aligned.iter().zip(&**target).map(|(aligned, target)| aligned - target).collect();
-        let products = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &moved)));
-        let change = &solution.inverse * products;
-        let coefficients: Vec<f64> = solution.coefficients.iter().zip(&change).map(|(one, more)| one + more).collect();
-        let left = residual(columns, &aligned, &coefficients);
-        steps -= 1;
-        match beside {
-            Some(Beside { rest, .. }) if steps > 0 => delay_s += dot(rest, &left) / dot(rest, rest),
-            _ => {
-                let of_delay = beside.map(|Beside { rest, change }| {
-                    let variance = LeastSquares::solve(&[&**rest], &left).robust_of_points(&[&**rest], 1)[(0, 0)];
-                    variance * change * change.transpose()
-                });
-                let covariance = of_delay.map_or_else(|| robust.clone(), |of_delay| robust + of_delay);
-                return (Shift { change, covariance, is_of_better_model: true }, left);
-            }
-        }
-    }
 }
 
 /// The omitted effects.
@@ -222,16 +145,16 @@ fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
 }
 
 /// An omitted column beside those of the fit.
-struct Beside {
+pub(super) struct Beside {
     /// What the fit's columns cannot do of it.
-    rest: Vec<f64>,
+    pub(super) rest: Vec<f64>,
     /// Change of the fit's coefficients for one unit of its own.
-    change: DVector<f64>,
+    pub(super) change: DVector<f64>,
 }
 
 impl Beside {
     /// `None` where the fit's columns explain nearly all that friction leaves of it.
-    fn of(omitted: &Omitted, Trimmed { problem, columns, solution, .. }: &Trimmed<'_>) -> Option<Self> {
+    pub(super) fn of(omitted: &Omitted, Trimmed { problem, columns, solution, .. }: &Trimmed<'_>) -> Option<Self> {
         let Omitted { column, is_beyond_friction } = omitted;
         let effect = problem.effects.iter().position(|effect| effect.kind().name == friction::KIND.name)?;
         let is_fitted = |index: &usize| solution.inverse[(*index, *index)] != 0.0;

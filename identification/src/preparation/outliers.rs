@@ -20,15 +20,19 @@ const MIDDLE: [f64; 4] = [-1.0 / 6.0, 4.0 / 6.0, 4.0 / 6.0, -1.0 / 6.0];
 pub(crate) fn without_outliers(torque_mnm: &[f64]) -> Option<(Vec<f64>, String)> {
     let deviations: Vec<f64> = (0..torque_mnm.len()).map(|at| deviation(torque_mnm, at)).collect();
     let coarse = smallest_step(torque_mnm);
-    let mut cleaned = torque_mnm.to_vec();
-    let mut outliers = 0;
     // Farther than two readings away an outlier deviates nothing. The median around each reading would take long.
     let may_stand_out = |at: &usize| {
         let here = deviations[*at].abs();
         let is_quiet = |near: usize| deviations.get(near).is_none_or(|near| 2.0 * near.abs() < here);
         here > STANDS_OUT * coarse && (3..=6).all(|apart| is_quiet(at + apart) && is_quiet(at.wrapping_sub(apart)))
     };
-    for at in (2..torque_mnm.len().saturating_sub(2)).filter(may_stand_out) {
+    let candidates: Vec<usize> = (2..torque_mnm.len().saturating_sub(2)).filter(may_stand_out).collect();
+    if candidates.is_empty() {
+        return None;
+    }
+    let mut cleaned = torque_mnm.to_vec();
+    let mut outliers = 0;
+    for at in candidates {
         let around = at.saturating_sub(AROUND)..(at + AROUND + 1).min(deviations.len());
         let mut magnitudes: Vec<f64> = deviations[around].iter().map(|deviation| deviation.abs()).collect();
         let typical = (median(&mut magnitudes) / MEDIAN_OVER_DEVIATION).max(coarse);

@@ -1,0 +1,97 @@
+//! Estimates of a torque that is late.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::omitted::{Beside, Omitted};
+use super::shift::Shift;
+use super::trimmed::Trimmed;
+use crate::numerics::derivative::gradient;
+use crate::numerics::interpolation::advance;
+use crate::numerics::lag::lagged;
+use crate::numerics::vector::dot;
+use crate::regression::least_squares::{LeastSquares, residual};
+use crate::regression::problem::Problem;
+
+/// Steps in which a delay is found.
+const DELAY_STEPS: usize = 3;
+/// A shorter lag takes less than a ten-thousandth off the fastest torques of the band.
+const LEAST_LAG_ROWS: f64 = 0.004;
+/// By so much a lag may leave more than a delay, in mean squares of a row, for the lag to be as likely: two nats.
+const WORSE_BY: f64 = 4.0;
+
+/// The shifts of the estimates if the torque is late as a whole, and if it lags as behind a first-order low-pass, which leaves fast torques
+/// smaller besides. Of a longer delay the column, linear in it, is not enough; a lag's torque is exactly that received plus its slope times the lag.
+pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix<f64>) -> Vec<Shift> {
+    let Trimmed { problem: Problem { row_filter, .. }, solution, .. } = trimmed;
+    let rate_hz = row_filter.rate_hz;
+    let delay_s = trimmed.delay.as_ref().map_or(trimmed.delay_s, |delay| delay.delay_s);
+    let is_long = trimmed.delay.is_some() && delay_s.abs() * rate_hz >= 1.0;
+    let lag_rows = delay_s * rate_hz / row_filter.step as f64;
+    let mut shifts = Vec::new();
+    // The moved torque would have to be freed of measured curves as the fitted one was.
+    if trimmed.curves.is_some() || !is_long && lag_rows < LEAST_LAG_ROWS {
+        return shifts;
+    }
+    let squares = |left: &[f64]| dot(left, left);
+    let fitted = squares(&solution.residual);
+    let (beside, least) = match &trimmed.delay {
+        Some(delay) => {
+            let omitted = Omitted { column: delay.column.clone(), is_beyond_friction: false };
+            let Some(beside) = Beside::of(&omitted, trimmed) else { return shifts };
+            let delayed = |delay_s: f64| row_filter.rows(&advance(torque_mnm, delay_s * rate_hz));
+            let (shift, left) = aligned(trimmed, robust, delay_s, Some(&beside), delayed);
+            if is_long && squares(&left) < fitted {
+                shifts.push(shift);
+            }
+            (Some(beside), squares(&left))
+        }
+        None => (None, fitted),
+    };
+    if lag_rows >= LEAST_LAG_ROWS {
+        let slope = gradient(torque_mnm, rate_hz);
+        let prompt = |lag_s: f64| {
+            let prompt: Vec<f64> =
+                torque_mnm.iter().zip(&slope).map(|(torque, slope)| torque + lag_s * slope).collect();
+            row_filter.rows(&prompt)
+        };
+        let (shift, left) = aligned(trimmed, robust, delay_s, beside.as_ref(), prompt);
+        // The slope is noisier than the torque; behind the lag both are as noisy.
+        let left = lagged(&left, lag_rows);
+        if squares(&left) < least * (1.0 + WORSE_BY / left.len() as f64) {
+            shifts.push(shift);
+        }
+    }
+    shifts
+}
+
+/// The shift of the estimates with the torque aligned by a delay, which is refined if it has a column `beside` those of the fit, and the
+/// residual.
+fn aligned(
+    Trimmed { columns, target, solution, .. }: &Trimmed<'_>,
+    robust: &DMatrix<f64>,
+    mut delay_s: f64,
+    beside: Option<&Beside>,
+    align: impl Fn(f64) -> Vec<f64>,
+) -> (Shift, Vec<f64>) {
+    let mut steps = if beside.is_some() { DELAY_STEPS } else { 1 };
+    loop {
+        let aligned = align(delay_s);
+        let moved: Vec<f64> = aligned.iter().zip(&**target).map(|(aligned, target)| aligned - target).collect();
+        let products = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &moved)));
+        let change = &solution.inverse * products;
+        let coefficients: Vec<f64> = solution.coefficients.iter().zip(&change).map(|(one, more)| one + more).collect();
+        let left = residual(columns, &aligned, &coefficients);
+        steps -= 1;
+        match beside {
+            Some(Beside { rest, .. }) if steps > 0 => delay_s += dot(rest, &left) / dot(rest, rest),
+            _ => {
+                let of_delay = beside.map(|Beside { rest, change }| {
+                    let variance = LeastSquares::solve(&[&**rest], &left).robust_of_points(&[&**rest], 1)[(0, 0)];
+                    variance * change * change.transpose()
+                });
+                let covariance = of_delay.map_or_else(|| robust.clone(), |of_delay| robust + of_delay);
+                return (Shift { change, covariance, is_of_better_model: true }, left);
+            }
+        }
+    }
+}
