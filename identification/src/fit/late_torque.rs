@@ -5,9 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use super::omitted::{Beside, Omitted};
 use super::shift::Shift;
 use super::trimmed::Trimmed;
-use crate::numerics::derivative::gradient;
 use crate::numerics::interpolation::advance;
-use crate::numerics::lag::lagged;
+use crate::numerics::lag::{lagged, prompt};
 use crate::numerics::vector::dot;
 use crate::regression::least_squares::{LeastSquares, residual};
 use crate::regression::problem::Problem;
@@ -48,13 +47,8 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix
         None => (None, fitted),
     };
     if lag_rows >= LEAST_LAG_ROWS {
-        let slope = gradient(torque_mnm, rate_hz);
-        let prompt = |lag_s: f64| {
-            let prompt: Vec<f64> =
-                torque_mnm.iter().zip(&slope).map(|(torque, slope)| torque + lag_s * slope).collect();
-            row_filter.rows(&prompt)
-        };
-        let (shift, left) = aligned(trimmed, robust, delay_s, beside.as_ref(), prompt);
+        let ahead = |lag_s: f64| row_filter.rows(&prompt(torque_mnm, lag_s, rate_hz));
+        let (shift, left) = aligned(trimmed, robust, delay_s, beside.as_ref(), ahead);
         // The slope is noisier than the torque; behind the lag both are as noisy.
         let left = lagged(&left, lag_rows);
         if squares(&left) < least * (1.0 + WORSE_BY / left.len() as f64) {

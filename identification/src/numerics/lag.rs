@@ -1,4 +1,6 @@
-//! A first-order lag.
+//! A first-order lag, and what undoes it.
+
+use super::derivative::gradient;
 
 /// The signal behind a first-order low-pass with a time constant of `lag` samples, exact for straight lines between samples.
 pub(crate) fn lagged(signal: &[f64], lag: f64) -> Vec<f64> {
@@ -17,4 +19,10 @@ pub(crate) fn lagged(signal: &[f64], lag: f64) -> Vec<f64> {
             state
         })
         .collect()
+}
+
+/// A signal without its first-order lag, as accelerometers have at their output: lag times rate is added.
+pub(crate) fn prompt(signal: &[f64], lag_s: f64, rate_hz: f64) -> Vec<f64> {
+    let rate = gradient(signal, rate_hz);
+    signal.iter().zip(&rate).map(|(value, rate)| value + lag_s * rate).collect()
 }

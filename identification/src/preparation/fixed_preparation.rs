@@ -3,10 +3,11 @@
 use super::Prepared;
 use super::band::Band;
 use super::filter::{Fir, both_ways, chebyshev1_low_pass, chebyshev2_low_pass, low_pass};
-use super::motion::{KnobMotion, prompt};
+use super::motion::KnobMotion;
 use super::row_filter::{RowFilter, SLOW};
 use super::uniform::Uniform;
 use crate::numerics::derivative::gradient;
+use crate::numerics::lag::prompt;
 use crate::uncertainty::statistics::rms;
 
 /// Highest edge as a share of the sample rate.

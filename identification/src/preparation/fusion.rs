@@ -12,8 +12,8 @@
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 use crate::numerics::derivative::gradient;
+use crate::numerics::lag::prompt;
 use crate::preparation::filter::low_pass;
-use crate::preparation::motion::prompt;
 use crate::preparation::spectrum::{Spectrum, white_density};
 use crate::uncertainty::statistics::{mean, rms};
 

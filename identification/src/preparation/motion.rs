@@ -269,9 +269,3 @@ fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
     let difference = (square / weight.max(f64::MIN_POSITIVE)).sqrt();
     (lag / weight.max(f64::MIN_POSITIVE)).abs() < 0.01 / rate_hz && difference < 0.1 / rate_hz
 }
-
-/// A signal without its first-order lag, as accelerometers have at their output: lag times rate is added.
-pub(crate) fn prompt(signal: &[f64], lag_s: f64, rate_hz: f64) -> Vec<f64> {
-    let rate = gradient(signal, rate_hz);
-    signal.iter().zip(&rate).map(|(value, rate)| value + lag_s * rate).collect()
-}

@@ -1,20 +1,18 @@
 //! Single readings of the torque that stand out alone, as a garbled frame or a disturbed line leaves them.
 
 use crate::numerics::vector::smallest_step;
-use crate::uncertainty::statistics::median;
+use crate::uncertainty::statistics::{FOURTH_DIFFERENCE_DEVIATION, fourth_difference, noise_deviation};
 
 /// Standard deviations of the readings around it by which one must stand out from what lies between its neighbours …
 const STANDS_OUT: f64 = 12.0;
 /// … and up to which these must fit to each other without it.
 const ORDINARY: f64 = 5.0;
 /// Readings on either side from which that deviation is estimated, since fast motion makes it larger.
-const AROUND: usize = 32;
+const AROUND: usize = 34;
 /// Largest share of the readings: more are no mishaps.
 const MOST: f64 = 0.01;
-/// Median of magnitudes over standard deviation of the normal distribution.
-const MEDIAN_OVER_DEVIATION: f64 = 0.6745;
-/// Weights of the cubic half way between two readings, from one before them to one behind.
-const MIDDLE: [f64; 4] = [-1.0 / 6.0, 4.0 / 6.0, 4.0 / 6.0, -1.0 / 6.0];
+/// Share of its fourth difference by which a reading differs from the cubic through its neighbours.
+const OF_FOURTH_DIFFERENCE: f64 = 1.0 / 6.0;
 
 /// The torque with such readings replaced by the cubics through their neighbours, and a note that says so; `None` where there are none.
 pub(crate) fn without_outliers(torque_mnm: &[f64]) -> Option<(Vec<f64>, String)> {
@@ -33,9 +31,9 @@ pub(crate) fn without_outliers(torque_mnm: &[f64]) -> Option<(Vec<f64>, String)>
     let mut cleaned = torque_mnm.to_vec();
     let mut outliers = 0;
     for at in candidates {
-        let around = at.saturating_sub(AROUND)..(at + AROUND + 1).min(deviations.len());
-        let mut magnitudes: Vec<f64> = deviations[around].iter().map(|deviation| deviation.abs()).collect();
-        let typical = (median(&mut magnitudes) / MEDIAN_OVER_DEVIATION).max(coarse);
+        let around = at.saturating_sub(AROUND)..(at + AROUND + 1).min(torque_mnm.len());
+        let typical =
+            (OF_FOURTH_DIFFERENCE * FOURTH_DIFFERENCE_DEVIATION * noise_deviation(&torque_mnm[around])).max(coarse);
         // The one before may have been an outlier, and is none any more.
         let (reading, deviates) = (cleaned[at], deviation(&cleaned, at));
         if deviates.abs() <= STANDS_OUT * typical {
@@ -60,11 +58,8 @@ pub(crate) fn without_outliers(torque_mnm: &[f64]) -> Option<(Vec<f64>, String)>
 
 /// By how much a reading differs from the cubic through the two before and the two after it; 0 next to an end.
 fn deviation(torque_mnm: &[f64], at: usize) -> f64 {
-    let Some([first, second, here, third, fourth]) = at.checked_sub(2).and_then(|from| torque_mnm.get(from..at + 3))
-    else {
-        return 0.0;
-    };
-    here - [first, second, third, fourth].iter().zip(MIDDLE).map(|(value, weight)| *value * weight).sum::<f64>()
+    let around = at.checked_sub(2).and_then(|from| torque_mnm.get(from..)?.first_chunk());
+    around.map_or(0.0, |around| OF_FOURTH_DIFFERENCE * fourth_difference(around))
 }
 
 #[cfg(test)]

@@ -209,13 +209,13 @@ impl Uniform {
 /// A column's value at a time from a sample to the one after it: that of the cubic through these two and the nearest ones that are half
 /// a period or more beyond them, or of the straight line where a gap or an end is as near.
 fn between(time: &[f64], column: &[f64], index: usize, at: f64, step: f64) -> f64 {
-    let is_beyond = |one: f64, other: f64| (0.5 * step..=GAP * step).contains(&(one - other).abs());
+    let is_near = |one: usize, other: usize| time[other] - time[one] <= GAP * step;
     let before = (0..index).rev().find(|other| time[index] - time[*other] >= 0.5 * step);
     let after = (index + 2..time.len()).find(|other| time[*other] - time[index + 1] >= 0.5 * step);
     if let (Some(before), Some(after)) = (before, after)
-        && is_beyond(time[index], time[before])
-        && is_beyond(time[index + 1], time[after])
-        && time[index + 1] - time[index] <= GAP * step
+        && is_near(before, index)
+        && is_near(index, index + 1)
+        && is_near(index + 1, after)
     {
         let places = [before, index, index + 1, after];
         let weights = cubic_weights(places.map(|place| time[place] - at), 0.0);

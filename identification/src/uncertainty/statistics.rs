@@ -14,8 +14,10 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 const UPPER_95: f64 = 0.975;
 /// Median of the magnitudes of normal values, in standard deviations.
 pub const MEDIAN_MAGNITUDE: f64 = 0.674_489_750_196_081_7;
-/// Median of the magnitudes of white noise's fourth differences, of which the variance is 70-fold, in its standard deviations.
-pub(crate) const MEDIAN_FOURTH_DIFFERENCE: f64 = MEDIAN_MAGNITUDE * 8.366_600_265_340_756;
+/// Standard deviation of white noise's fourth differences, of which the variance is 70-fold, in its own.
+pub(crate) const FOURTH_DIFFERENCE_DEVIATION: f64 = 8.366_600_265_340_756;
+/// Median of their magnitudes, likewise.
+pub(crate) const MEDIAN_FOURTH_DIFFERENCE: f64 = MEDIAN_MAGNITUDE * FOURTH_DIFFERENCE_DEVIATION;
 
 /// Two-sided 95 % of Student's distribution with `degrees_of_freedom`, in standard deviations; infinite where there are
 /// none.
@@ -134,10 +136,14 @@ pub(crate) fn running(values: &[f64], reach: usize, of: impl Fn(&[f64]) -> f64) 
     (0..values.len()).map(|at| of(near(at))).collect()
 }
 
+/// The fourth difference of five neighbours: six times what the middle one differs by from the cubic through the others.
+pub(crate) fn fourth_difference([first, second, middle, fourth, fifth]: &[f64; 5]) -> f64 {
+    first - 4.0 * second + 6.0 * middle - 4.0 * fourth + fifth
+}
+
 /// Standard deviation of the white noise in a signal, from its fourth differences, in which motion hardly shows.
 pub(crate) fn noise_deviation(signal: &[f64]) -> f64 {
-    let mut fourth: Vec<f64> =
-        signal.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
+    let mut fourth: Vec<f64> = signal.array_windows().map(|around| fourth_difference(around).abs()).collect();
     median(&mut fourth) / MEDIAN_FOURTH_DIFFERENCE
 }
 
