@@ -65,6 +65,15 @@ impl EffectKind {
         self.regressors.map_or(0, |regressors| regressors.columns / self.lines())
     }
 
+    /// Whether a column's coefficient cannot be negative: because the law says so, or because it is a parameter that cannot be.
+    #[must_use]
+    pub fn is_nonnegative(&self, column: usize) -> bool {
+        self.regressors.is_some_and(|regressors| {
+            let is_parameter = regressors.searched.is_empty() && regressors.columns == self.parameters.len();
+            regressors.nonnegative.contains(&column) || is_parameter && self.parameters[column].minimum != Minimum::None
+        })
+    }
+
     /// Number of leading parameters that the first `columns` columns have.
     #[must_use]
     pub fn parameters_in(&self, columns: usize) -> usize {
@@ -273,7 +282,7 @@ pub struct Regressors {
     pub fill: fn(&Effect, &Motion, &mut [f64]),
     /// Writes the effect's values from the fitted coefficients; the searched ones are already in place.
     pub values: fn(&[f64], &mut [f64]),
-    /// Columns whose coefficient cannot be negative, besides those whose parameter says so.
+    /// Columns whose coefficient cannot be negative, besides those whose parameter says so: see [`EffectKind::is_nonnegative`].
     pub nonnegative: &'static [usize],
 }
 

@@ -13,7 +13,7 @@ pub struct Scene {
     pub median_speed_rad_s: f64,
     /// Highest speed, rad/s.
     pub highest_speed_rad_s: f64,
-    /// Length of the longest capture, s.
+    /// Length of the capture, s.
     pub duration_s: f64,
     /// Upper edge of the band in which torque is compared, Hz.
     pub band_hz: f64,
@@ -27,8 +27,8 @@ pub struct Scene {
     pub torque_rms_mnm: f64,
     /// Period P of the detents, rad, if there are any.
     pub detent_period_rad: Option<f64>,
-    /// Largest torque of the detents, mNm.
-    pub detent_amplitude_mnm: f64,
+    /// Whether the knob turns, so that effects may repeat with each turn.
+    pub is_rotary: bool,
     /// Whether the residual is close to the noise floor; a search then needs closely spaced starts.
     pub is_faint: bool,
 }
@@ -105,10 +105,16 @@ impl Search {
         (3.0 * widths).ceil().clamp(1.0, 4000.0) as usize
     }
 
+    /// The range, where this capture leaves the parameter one.
+    #[must_use]
+    pub fn range_in(&self, scene: &Scene) -> Option<(f64, f64)> {
+        (self.range)(scene).filter(|(least, largest)| least < largest)
+    }
+
     /// The values to try, in rising order; none if the capture cannot show the parameter.
     #[must_use]
     pub fn values(&self, scene: &Scene) -> Vec<f64> {
-        let Some((least, largest)) = (self.range)(scene).filter(|(least, largest)| least < largest) else {
+        let Some((least, largest)) = self.range_in(scene) else {
             return Vec::new();
         };
         let count = (self.starts)(scene).max(1);

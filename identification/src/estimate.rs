@@ -5,7 +5,7 @@ use serde::ser::{Serialize, Serializer};
 use dynamics::{Axis, Effect, Model, Motion, ParameterKind, effects};
 
 use crate::regression::characteristic::MeasuredCurve;
-use crate::uncertainty::statistics::{mean, rms};
+use crate::uncertainty::statistics::mean;
 
 /// A fitted parameter, or the reason why the data cannot identify it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -225,11 +225,10 @@ pub struct Fit {
 impl Fit {
     /// The fit with the rows that were compared, and with what these tell in sum.
     pub(crate) fn compared(self, points: Vec<Point>) -> Self {
-        let rms_of = |value: fn(&Point) -> f64| rms(&points.iter().map(value).collect::<Vec<_>>());
-        let residual_rms_mnm = rms_of(|point| point.residual_mnm);
+        let (residual_rms_mnm, relative_error_percent) = residual_of(&points);
         Self {
             residual_rms_mnm,
-            relative_error_percent: 100.0 * residual_rms_mnm / rms_of(|point| point.torque_mnm),
+            relative_error_percent,
             mean_ci95_mnm: mean(points.iter().map(|point| point.torque_model_ci95_mnm)),
             rows: points.len(),
             points,
@@ -280,6 +279,17 @@ impl Fit {
     pub fn effects(&self) -> &[Effect] {
         &self.effects
     }
+}
+
+/// RMS of the residual, mNm, and the relative error, %, of rows; zero for none.
+pub(crate) fn residual_of<'a>(points: impl IntoIterator<Item = &'a Point>) -> (f64, f64) {
+    let (mut rows, mut residual, mut torque) = (0.0_f64, 0.0, 0.0_f64);
+    for point in points {
+        rows += 1.0;
+        residual += point.residual_mnm.powi(2);
+        torque += point.torque_mnm.powi(2);
+    }
+    ((residual / rows.max(1.0)).sqrt(), 100.0 * (residual / torque.max(f64::MIN_POSITIVE)).sqrt())
 }
 
 fn opposite_direction(name: &str) -> Option<String> {

@@ -6,7 +6,7 @@ use crate::preparation::uniform::typical_step;
 /// A capture's columns, borrowed. All have one length.
 #[derive(Clone, Copy, Debug)]
 pub struct Samples<'a> {
-    /// Time, s, rising.
+    /// Time, s, rising; [`fit`](crate::fit()) sorts samples that are not in its order.
     pub t_s: &'a [f64],
     /// Encoder angle, rad.
     pub angle_rad: &'a [f64],
@@ -55,7 +55,7 @@ impl PickedSamples {
 pub const FEWEST_SAMPLES: usize = 200;
 
 /// Largest magnitude of a measured value, in the column's unit: sums of larger ones' powers overflow.
-const LARGEST: f64 = 1e9;
+pub(crate) const LARGEST: f64 = 1e9;
 /// Longest capture, s: a little more than a day. Simulations and plots also take the time between samples that lie far apart.
 const LONGEST_S: f64 = 1e5;
 /// Slowest rate of samples that are fitted, Hz.
@@ -143,6 +143,12 @@ pub enum FitError {
         /// Samples above it.
         samples: usize,
     },
+    /// A curve of torque over the angle that does not pass through its travel.
+    #[error(
+        "the curve does not pass through its travel: give at least {FEWEST_SAMPLES} readings that follow each other along the angle, with no \
+         part of the travel left out"
+    )]
+    NoMap,
     /// So much of the torque is at an end of its range that the rest is too little.
     #[error(
         "the torque channel stands at an end of its range for {samples} of {total} samples, and the rest is too little for \

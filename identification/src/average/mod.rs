@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use dynamics::{Effect, Model, effects};
 use nalgebra::DMatrix;
 
-use crate::estimate::{Covariance, Fit, Parameter, Parameters, Point};
+use crate::estimate::{Covariance, Fit, Parameter, Parameters, Point, residual_of};
 use crate::uncertainty::statistics::{self, NORMAL_95, deviation_of_sum};
 use observation::{Observation, PERIOD, PHASE};
 
@@ -157,7 +157,12 @@ pub fn average(fits: &[Fit]) -> Option<Average> {
     fit.parameters = Parameters(most.parameters.0.iter().map(|parameter| with_mean(parameter, &mean)).collect());
     sums(&mut fit, fits);
     fit.notes = notes(fits, agreement, &repeatability);
-    fit.effects = fit.effects.iter().map(|effect| with_values(effect, &fit.parameters)).collect();
+    // A quasi-static fit has a detent for each sinusoid, of which the strongest comes first: the parameters are its values.
+    let is_first = |at: usize| fit.effects[..at].iter().all(|other| other.kind().name != fit.effects[at].kind().name);
+    let firsts: Vec<bool> = (0..fit.effects.len()).map(is_first).collect();
+    for (effect, _) in fit.effects.iter_mut().zip(firsts).filter(|(_, is_first)| *is_first) {
+        *effect = with_values(effect, &fit.parameters);
+    }
     fit.covariance = covariance(&mean);
     let own = statistics::mean(fits.iter().map(|one| one.mean_ci95_mnm));
     let textbook = statistics::mean(fits.iter().map(|one| one.mean_ci95_textbook_mnm));
@@ -219,16 +224,7 @@ fn notes(
 
 /// Residual, relative error and counts of all captures together.
 fn sums(combined: &mut Fit, fits: &[Fit]) {
-    let (mut residual, mut torque, mut rows) = (0.0, 0.0, 0);
-    for fit in fits {
-        for point in &fit.points {
-            residual += point.residual_mnm.powi(2);
-            torque += point.torque_mnm.powi(2);
-        }
-        rows += fit.points.len();
-    }
-    combined.residual_rms_mnm = (residual / rows.max(1) as f64).sqrt();
-    combined.relative_error_percent = if torque > 0.0 { 100.0 * (residual / torque).sqrt() } else { 0.0 };
+    (combined.residual_rms_mnm, combined.relative_error_percent) = residual_of(fits.iter().flat_map(|fit| &fit.points));
     combined.samples = fits.iter().map(|fit| fit.samples).sum();
     combined.rows = fits.iter().map(|fit| fit.rows).sum();
 }

@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 
 use super::scalar::{Estimated, wrapped};
 use crate::estimate::{Fit, Parameter};
-use crate::uncertainty::statistics::NORMAL_95;
+use crate::uncertainty::statistics::{self, NORMAL_95};
 
 pub(super) const PHASE: &str = "detent_phase";
 pub(super) const PERIOD: &str = "detent_period";
@@ -112,7 +112,7 @@ pub(super) fn to_angle(observations: &mut [Observation], angle_rad: f64) {
 
 fn half_width(parameter: &Parameter) -> f64 {
     match (parameter.value, parameter.ci95) {
-        (Some(value), Some([low, high])) => (high - value).max(value - low),
+        (Some(value), Some(ci95)) => statistics::half_width(value, ci95),
         _ => 0.0,
     }
 }

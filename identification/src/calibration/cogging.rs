@@ -22,7 +22,7 @@ use crate::numerics::derivative::gradient;
 use crate::preparation::uniform::{Uniform, whole};
 use crate::samples::{FEWEST_SAMPLES, span};
 use crate::sinusoids::matching_pursuit;
-use crate::uncertainty::statistics::median;
+use crate::uncertainty::statistics::{half_width, median};
 
 /// Band in which torque is compared with angle, Hz: well below the resonance of rotor and gripper.
 const EDGE_HZ: f64 = 200.0;
@@ -97,12 +97,12 @@ pub fn cogging(
 
 /// A harmonic of whole turns as a calibration has it.
 fn estimated(harmonic: &Harmonic) -> CoggingEstimate {
-    let half = |ci95: Option<[f64; 2]>| ci95.map_or(0.0, |[low, high]| 0.5 * (high - low));
+    let half = |value, ci95: Option<[f64; 2]>| ci95.map_or(0.0, |ci95| half_width(value, ci95));
     CoggingEstimate {
         per_turn: harmonic.per_turn.round() as u32,
         torque_mnm: harmonic.amplitude_mnm,
-        torque_half_width_mnm: half(harmonic.amplitude_ci95_mnm),
+        torque_half_width_mnm: half(harmonic.amplitude_mnm, harmonic.amplitude_ci95_mnm),
         phase_rad: harmonic.phase_rad,
-        phase_half_width_rad: half(harmonic.phase_ci95_rad),
+        phase_half_width_rad: half(harmonic.phase_rad, harmonic.phase_ci95_rad),
     }
 }

@@ -3,6 +3,7 @@
 use dynamics::Calibration;
 
 use super::estimate::{CalibrateError, Calibrated, Estimate, check_command};
+use crate::uncertainty::statistics::half_width;
 use crate::{Fit, FitOptions, Samples, fit};
 
 /// Friction above which something else than the gripper turned, mNm.
@@ -18,7 +19,7 @@ pub fn gripper(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     let calibration = Calibration { gripper_inertia: 0.0, ..known.clone() };
     let options = FitOptions { calibration: Some(calibration), without_detents: true, ..FitOptions::default() };
     let fitted = fit(samples, &options)?;
-    let (value, [low, high]) = identified(&fitted, "gripper", "inertia")?;
+    let (value, half_width) = identified(&fitted, "gripper", "inertia")?;
     let friction_mnm = ["coulomb_negative", "coulomb_positive"]
         .iter()
         .filter_map(|name| fitted.parameters.get(name)?.value)
@@ -29,7 +30,6 @@ pub fn gripper(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
             "something rubs with {friction_mnm:.2} mNm: is the knob off the gripper? Its inertia would be counted as the gripper's"
         ));
     }
-    let half_width = (high - value).max(value - low);
     let inertia = Estimate { quantity: "gripper_inertia", value, half_width, unit: "mNm s²/rad" };
     Ok(Calibrated { estimates: vec![inertia], notes, ..Calibrated::default() })
 }
@@ -54,9 +54,7 @@ pub fn friction(
     }
     let motor = Samples { torque_mnm: &taken_mnm, acceleration_rad_s2: None, velocity_rad_s: None, ..*samples };
     let fitted = fit(&motor, &FitOptions { without_detents: true, ..FitOptions::default() })?;
-    let estimated = |quantity: &'static str| {
-        identified(&fitted, "motor", quantity).map(|(value, [low, high])| (value, 0.5 * (high - low)))
-    };
+    let estimated = |quantity: &'static str| identified(&fitted, "motor", quantity);
     let mean = |[first, second]: [(f64, f64); 2]| (0.5 * (first.0 + second.0), 0.5 * first.1.hypot(second.1));
     let (inertia, inertia_half) = estimated("inertia")?;
     let coulomb = [estimated("coulomb_negative")?, estimated("coulomb_positive")?];
@@ -96,10 +94,11 @@ pub(super) fn motors_share_mnm(
     Ok((0..commanded_mnm.len()).map(share_mnm).collect())
 }
 
-/// A fitted value with its 95 % interval.
-fn identified(fitted: &Fit, part: &'static str, quantity: &'static str) -> Result<(f64, [f64; 2]), CalibrateError> {
+/// A fitted value with the half width of its 95 % interval.
+fn identified(fitted: &Fit, part: &'static str, quantity: &'static str) -> Result<(f64, f64), CalibrateError> {
     let parameter = fitted.parameters.get(quantity);
-    parameter.and_then(|parameter| parameter.value.zip(parameter.ci95)).ok_or_else(|| {
+    let estimated = parameter.and_then(|parameter| parameter.value.zip(parameter.ci95));
+    estimated.map(|(value, ci95)| (value, half_width(value, ci95))).ok_or_else(|| {
         let reason = parameter.and_then(|parameter| parameter.reason.clone()).unwrap_or_default();
         CalibrateError::NotIdentified { part, quantity, reason }
     })

@@ -177,7 +177,7 @@ fn torque_relation(
     let [direction, velocity] = friction(delay(&solved).0);
     let torque: Vec<f64> =
         direction.iter().zip(&velocity).map(|(sign, speed)| coulomb_mnm * sign + viscous * speed).collect();
-    let share = rms(&torque) / rms(&target).max(f64::MIN_POSITIVE);
+    let share = rms(&torque) / solved.target_deviation;
     // Friction is not the inertia's either.
     solved.unexplained = solved.unexplained.hypot(share);
     let note = || {

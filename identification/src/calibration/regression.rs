@@ -4,7 +4,7 @@ use super::estimate::CalibrateError;
 use crate::preparation::filter::low_pass;
 use crate::preparation::row_filter::row_step;
 use crate::regression::least_squares::{LeastSquares, RobustCovariance};
-use crate::uncertainty::statistics::{MEDIAN_MAGNITUDE, deviation_of_sum, median, rms, student_95};
+use crate::uncertainty::statistics::{MEDIAN_MAGNITUDE, deviation_of_sum, mean, median, rms, student_95};
 
 /// Rows further from the relation than this many standard deviations are left out: a knob that breaks
 /// loose shakes the rig.
@@ -27,7 +27,9 @@ pub(super) struct Band {
 pub(super) struct Solved {
     pub(super) coefficients: Vec<f64>,
     covariance: RobustCovariance,
-    /// RMS of what the relation leaves over RMS of the target.
+    /// Standard deviation of the target: a constant is explained by any relation.
+    pub(super) target_deviation: f64,
+    /// RMS of what the relation leaves over that.
     pub(super) unexplained: f64,
 }
 
@@ -65,15 +67,15 @@ impl Band {
         let mut columns: Vec<Vec<f64>> = columns.iter().map(|column| rows(column)).collect();
         let mut target = rows(target);
         let mut solution = LeastSquares::solve(&columns, &target);
-        let mut used = target.len();
+        let mut kept: Vec<usize> = (0..target.len()).collect();
         for _ in 0..ROUNDS {
-            let mut distances: Vec<f64> = solution.residual.iter().map(|left| left.abs()).collect();
-            let limit = OUTLIER * median(&mut distances) / MEDIAN_MAGNITUDE;
-            let outliers: Vec<usize> = (0..target.len()).filter(|row| solution.residual[*row].abs() > limit).collect();
-            if outliers.is_empty() || used < outliers.len() + target.len() / 2 {
+            let distance = |row: &usize| solution.residual[*row].abs();
+            let limit = OUTLIER * median(&mut kept.iter().map(distance).collect::<Vec<_>>()) / MEDIAN_MAGNITUDE;
+            let (outliers, near): (Vec<usize>, Vec<usize>) = kept.iter().partition(|row| distance(row) > limit);
+            if outliers.is_empty() || near.len() < target.len() / 2 {
                 break;
             }
-            used -= outliers.len();
+            kept = near;
             // A row of zeros takes no part and keeps the others at their distance in time.
             for row in outliers {
                 target[row] = 0.0;
@@ -81,9 +83,15 @@ impl Band {
             }
             solution = LeastSquares::solve(&columns, &target);
         }
+        let of_kept = |signal: &[f64]| kept.iter().map(|row| signal[*row]).collect::<Vec<_>>();
+        let mut varying = of_kept(&target);
+        let mean = mean(&varying);
+        varying.iter_mut().for_each(|value| *value -= mean);
+        let target_deviation = rms(&varying).max(f64::MIN_POSITIVE);
         Solved {
             covariance: solution.robust(&columns),
-            unexplained: rms(&solution.residual) / rms(&target).max(f64::MIN_POSITIVE),
+            target_deviation,
+            unexplained: rms(&of_kept(&solution.residual)) / target_deviation,
             coefficients: solution.coefficients,
         }
     }

@@ -9,7 +9,7 @@ use crate::numerics::vector::{self, dot};
 use crate::preparation::band::Band;
 use crate::regression::gram::held_out_evidence;
 use crate::regression::least_squares::LeastSquares;
-use crate::regression::problem::{Column, Problem};
+use crate::regression::problem::{Column, Problem, Searched};
 use crate::regression::refiner::Ended;
 use crate::sinusoids::scan::Scan;
 use crate::sinusoids::{FEWEST_PERIODS, MARGIN, PREDICTS, threshold};
@@ -83,7 +83,10 @@ pub(crate) fn search<'a>(
     let powers = scan.powers(base, &base_solution.residual);
     let peaks = scan.peaks(&powers, 12);
     let resolution = scan.resolution();
-    let limit = |_, period: f64| (0.25 * resolution * period * period).min(0.1 * period);
+    let limit = |which: Searched, value: f64| {
+        let most = 0.1 * value.abs();
+        if which.effect == base.effects.len() { most.min(0.25 * resolution * value * value) } else { most }
+    };
     let best_power = peaks.first().map_or(0.0, |peak| peak.power);
     let best = peaks
         .iter()

@@ -16,7 +16,7 @@ use crate::{FitError, Samples};
 
 /// Largest noise of acceleration, as a share of its RMS: with more, inertia is underrated by more than a hundredth.
 const NOISIEST: f64 = 0.1;
-/// Narrowest band in which captures are compared, Hz.
+/// Bands are not halved below this edge, Hz.
 const NARROWEST_HZ: f64 = 8.0;
 
 /// Most searches, each with the angle between two zeros of the encoder as the one before left it.
@@ -106,16 +106,16 @@ pub fn diagnose(
     heldout: Option<&Samples<'_>>,
     options: &DiagnoseOptions<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
-    let mut captures = prepare(train, heldout, options)?;
-    let [train_capture, given] = &captures;
-    let base = Search::new([train_capture, given], options).base(train)?;
-    let undetermined = Undetermined::of(&base.structure, train_capture, given);
-    if let Some(undetermined) = &undetermined {
-        captures[1].undetermined.clone_from(&undetermined.rows);
-    }
+    let captures = prepare(train, heldout, options)?;
     let [train_capture, given] = &captures;
     let search = Search::new([train_capture, given], options);
-    let base = if undetermined.is_some() { search.settled(base.structure) } else { base };
+    let base = search.base(train)?;
+    let undetermined = Undetermined::of(&base.structure, train_capture, given);
+    let compared_in = |comparison: Comparison| {
+        let mut compared = comparison.of(train_capture, given);
+        compared.undetermined = undetermined.iter().flat_map(|undetermined| undetermined.rows(&compared)).collect();
+        compared
+    };
     // Detents that differ from the model's seem to be elsewhere.
     let are_unequal = search.detents_are_unequal(&base);
     let zero = if heldout.is_some() && !are_unequal { EncoderZero::of(&base, &captures) } else { None };
@@ -127,7 +127,7 @@ pub fn diagnose(
             let is_last = rounds == MOST_ROUNDS;
             if is_last { comparison } else { comparison.after(found, train_capture, given, heldout.is_some()) }
         };
-        let compared = comparison.of(train_capture, given);
+        let compared = compared_in(comparison);
         let mut search = Search { heldout: &compared, ..search };
         let base = base.judged_by(train_capture, &compared);
         search.check(&base)?;
@@ -136,7 +136,7 @@ pub fn diagnose(
         let changed_compared;
         if changed != comparison {
             comparison = changed;
-            changed_compared = comparison.of(train_capture, given);
+            changed_compared = compared_in(comparison);
             found = found.judged_by(train_capture, &changed_compared);
             if !explains_the_gap(found.named(), &found.chain[0]) {
                 continue;
@@ -203,7 +203,7 @@ fn prepare(
                 edge_hz = train.band.edge_hz.min(heldout.band.edge_hz);
             }
             Err(DiagnosisError::Capture { reason: reason @ FitError::HardlyMoving { .. }, which }) => {
-                return maps(parts).ok_or(DiagnosisError::Capture { which, reason });
+                return maps(parts, options.axis).ok_or(DiagnosisError::Capture { which, reason });
             }
             prepared => return prepared,
         }
@@ -214,8 +214,8 @@ fn prepare(
 type Part<'a> = (&'static str, &'a Samples<'a>, Stretches);
 
 /// Captures in which the knob was turned too slowly for its speed to be estimated, as maps of torque against angle.
-fn maps([train, heldout]: [Part<'_>; 2]) -> Option<[Capture; 2]> {
-    let of = |(_, samples, stretches): Part<'_>| Some(Capture::of_map(Map::of(samples, false)?, stretches));
+fn maps([train, heldout]: [Part<'_>; 2], axis: Axis) -> Option<[Capture; 2]> {
+    let of = |(_, samples, stretches): Part<'_>| Some(Capture::of_map(Map::of(samples, false)?, stretches).on(axis));
     Some([of(train)?, of(heldout)?])
 }
 
@@ -226,6 +226,7 @@ fn prepare_in(
 ) -> Result<[Capture; 2], DiagnosisError> {
     let of = |(which, samples, stretches): Part<'_>| {
         Capture::of(samples, options.calibration.as_ref(), edge_hz, stretches)
+            .map(|capture| capture.on(options.axis))
             .map_err(|reason| DiagnosisError::Capture { which, reason })
     };
     Ok([of(train)?, of(heldout)?])

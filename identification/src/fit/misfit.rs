@@ -14,7 +14,7 @@ use super::trimmed::{Rows, Trimmed};
 use super::{late_torque, omitted};
 use crate::preparation::row_filter::{ROWS_PER_EDGE, row_low_pass};
 use crate::regression::problem::Problem;
-use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, median};
+use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, interval, median};
 
 /// Share of the band that the narrower fit keeps, and every how many of its rows.
 const NARROWER: f64 = 0.5;
@@ -93,6 +93,6 @@ impl Misfit {
         let Shift { change, covariance, .. } = self.unbounded.as_ref()?;
         let change = derivatives.transpose().dot(change);
         let half = critical * deviation_of_sum(covariance, derivatives.as_slice());
-        Some([change - half, change + half])
+        Some(interval(change, half))
     }
 }

@@ -86,7 +86,9 @@ fn opposite_signs(samples: &Samples<'_>, options: &FitOptions, fit: &Fit) -> Opt
     if fit.relative_error_percent < IN_DOUBT_PERCENT {
         return None;
     }
-    let inverted: Vec<f64> = samples.torque_mnm.iter().map(|torque_mnm| -torque_mnm).collect();
+    // The sensor's zero stays where it is.
+    let zero_mnm = options.calibration.as_ref().map_or(0.0, |calibration| calibration.torque_zero_mnm);
+    let inverted: Vec<f64> = samples.torque_mnm.iter().map(|torque_mnm| 2.0 * zero_mnm - torque_mnm).collect();
     let inverted = fit_in_time(&Samples { torque_mnm: &inverted, ..*samples }, options).ok()?;
     let [as_given, inverted] = [fit, &inverted].map(|fit| fit.relative_error_percent);
     (inverted < BETTER * as_given).then(|| {
@@ -101,8 +103,7 @@ fn opposite_signs(samples: &Samples<'_>, options: &FitOptions, fit: &Fit) -> Opt
 fn fit_in_time(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
     samples.check()?;
     if options.is_quasi_static {
-        let nothing = FitError::HardlyMoving { threshold_rad_s: 0.0, samples: 0 };
-        return quasi_static::fit(samples, options).ok_or(nothing);
+        return quasi_static::fit(samples, options).ok_or(FitError::NoMap);
     }
     match fit_moving(samples, options) {
         Err(hardly @ FitError::HardlyMoving { .. }) if options.preparation == PreparationMethod::Automatic => {

@@ -109,9 +109,7 @@ fn groups(trimmed: &Trimmed<'_>) -> Vec<Group> {
 /// Those that follow from the motion.
 fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
     let Problem { motion, row_filter, .. } = &trimmed.problem;
-    let sliding_rad_s: Vec<f64> =
-        motion.velocity_rad_s.iter().zip(&row_filter.mask).filter(|(_, mask)| **mask > 0.0).map(|(v, _)| *v).collect();
-    let friction_speed_rad_s = FRICTION_SPEED * rms(&sliding_rad_s);
+    let friction_speed_rad_s = FRICTION_SPEED * rms(&row_filter.sliding_speeds_rad_s(motion));
     let (low_rad, high_rad) = vector::extent_where(&motion.angle_rad, &row_filter.mask).unwrap_or((0.0, 0.0));
     let is_short_travel = high_rad - low_rad < FAR_RAD;
     let middle_rad = 0.5 * (low_rad + high_rad);

@@ -105,8 +105,7 @@ impl<'a> Prepared<'a> {
             return None;
         }
         let wavenumber = 1.0 / solved.problem.effects.last()?.values()[1];
-        let at_rows = self.motion.velocity_rad_s.iter().step_by(self.row_filter.step);
-        let mut speeds: Vec<f64> = at_rows.map(|velocity| velocity.abs()).collect();
+        let mut speeds = self.row_filter.sliding_speeds_rad_s(&self.motion);
         self.band.widened(wavenumber, quantile(&mut speeds, 0.95), self.row_filter.rate_hz)
     }
 

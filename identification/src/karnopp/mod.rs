@@ -7,6 +7,7 @@
 
 mod slide;
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use dynamics::{Direction, Effect, Minimum, ParameterKind, effects};
@@ -57,8 +58,13 @@ impl Stick {
     pub(crate) fn of(uniform: &Uniform, motion: &KnobMotion, fitted: &[Effect]) -> Self {
         let rate_hz = uniform.rate_hz;
         let samples = |time_s: f64| ((time_s * rate_hz).round() as usize).max(FEWEST_SAMPLES);
-        let twisted = uniform.angle_rad.iter().zip(&uniform.torque_mnm);
-        let angle_rad: Vec<f64> = twisted.map(|(angle, torque)| angle - motion.compliance_rad_mnm * torque).collect();
+        // An exact motion has the angle itself, and there is no twist.
+        let angle_rad: Cow<'_, [f64]> = if motion.exact {
+            (&*motion.angle_rad).into()
+        } else {
+            let twisted = uniform.angle_rad.iter().zip(&uniform.torque_mnm);
+            twisted.map(|(angle, torque)| angle - motion.compliance_rad_mnm * torque).collect()
+        };
         let slide = Slide {
             angle_rad: &angle_rad,
             noise_rad: (0.5 * rate_hz * motion.angle_density).sqrt(),

@@ -33,6 +33,7 @@ use dynamics::{Calibration, Effect, effects};
 
 use crate::detents::angle_bins::{AngleBins, MOST_COLUMNS};
 use crate::numerics::interpolation::cubic_weights;
+use crate::samples::LARGEST;
 use blocks::{Blocks, RowFilter};
 pub use convergence::{Convergence, Criterion, MotionRms, USUAL_SHARE, relative_half_width};
 use estimate::{Excitation, estimate};
@@ -177,10 +178,11 @@ impl LiveFit {
 
     /// Takes in the next sample: a microsecond's work, and no allocation but when the travel widens.
     ///
-    /// Samples that are not finite numbers or do not come later than the last are left out and counted.
+    /// Samples that no sensor reads or that do not come later than the last are left out and counted.
     pub fn push(&mut self, sample: &LiveSample) {
-        let finite = sample.time_s.is_finite() && sample.angle_rad.is_finite() && sample.torque_mnm.is_finite();
-        if !finite || sample.time_s <= self.newest_s {
+        let is_reading = |value: f64| value.abs() <= LARGEST;
+        let is_sample = sample.time_s.is_finite() && is_reading(sample.angle_rad) && is_reading(sample.torque_mnm);
+        if !is_sample || sample.time_s <= self.newest_s {
             self.ignored += 1;
             return;
         }

@@ -6,7 +6,7 @@ pub fn encoder_step(angle_rad: &[f64]) -> Option<f64> {
     /// Share of the differences that must be multiples, and how far from one they may be, as a share of the step.
     const MOST: f64 = 0.95;
     const NEAR: f64 = 0.05;
-    /// Below a millionth of a turn a step is no matter.
+    /// Below 10⁻⁶ rad a step is no matter.
     const LEAST_RAD: f64 = 1e-6;
     let differences: Vec<f64> =
         angle_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > LEAST_RAD).collect();

@@ -161,6 +161,12 @@ impl RowFilter {
         vector::dot(&self.mask, &self.mask) / self.step as f64
     }
 
+    /// Speeds at the rows where the knob slides, rad/s.
+    pub(crate) fn sliding_speeds_rad_s(&self, motion: &KnobMotion) -> Vec<f64> {
+        let rows = motion.velocity_rad_s.iter().zip(&self.mask).step_by(self.step);
+        rows.filter(|(_, mask)| **mask > 0.0).map(|(velocity, _)| velocity.abs()).collect()
+    }
+
     /// Number of samples that the mask does not set to zero.
     pub(crate) fn sliding(&self) -> usize {
         self.mask.iter().filter(|mask| **mask > 0.0).count()

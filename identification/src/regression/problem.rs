@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use dynamics::{Effect, Minimum, Part, effects};
+use dynamics::{Effect, Part, effects};
 use nalgebra::{DMatrix, DVector};
 
 use super::gram::{COLLINEAR, Correction};
@@ -79,15 +79,12 @@ impl<'a> Problem<'a> {
     pub(crate) fn add(&mut self, effect: Effect) {
         let first = self.columns.len();
         let rows = self.effect_rows(self.effects.len(), &effect);
-        let parameters = effect.kind().parameters;
-        // Where every coefficient is a parameter, the parameter's bound is the coefficient's.
-        let direct = effect.kind().regressors.is_some_and(|r| r.searched.is_empty() && r.columns == parameters.len());
         if matches!(effect.kind().part, Part::Inertia(_)) {
             self.inertial.extend(first..first + rows.len());
         }
         for (index, column) in rows.into_iter().enumerate() {
             self.columns.push(column);
-            self.nonnegative.push(direct && parameters[index].minimum != Minimum::None);
+            self.nonnegative.push(effect.kind().is_nonnegative(index));
         }
         self.effects.push(effect);
         self.update_products(first);

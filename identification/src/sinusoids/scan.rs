@@ -59,10 +59,7 @@ impl Scan {
         let (lowest, highest) = vector::extent_where(&motion.angle_rad, &row_filter.mask)?;
         let travel_rad = highest - lowest;
         let at_rows = || (0..motion.len()).step_by(row_filter.step);
-        let mut speeds: Vec<f64> = at_rows()
-            .filter(|index| row_filter.mask[*index] > 0.0)
-            .map(|index| motion.velocity_rad_s[index].abs())
-            .collect();
+        let mut speeds = row_filter.sliding_speeds_rad_s(motion);
         let slow_rad_s = quantile(&mut speeds, SLOW_SHARE);
         let spacing = TAU / (OVERSAMPLING as f64 * travel_rad);
         let highest = (TAU * band.edge_hz / slow_rad_s).min(FRAC_PI_2 / angle_step_rad.max(f64::MIN_POSITIVE));

@@ -1,4 +1,4 @@
-//! Quantiles, and the factors between a standard deviation and a 95 % interval.
+//! Quantiles, intervals, means, noise and ranks of values.
 
 use std::borrow::Borrow;
 use std::ops::Range;
@@ -78,6 +78,16 @@ pub(crate) fn deviation_of_sum(covariance: &DMatrix<f64>, derivatives: &[f64]) -
 /// The interval of this half width about a value.
 pub(crate) fn interval(value: f64, half_width: f64) -> [f64; 2] {
     [value - half_width, value + half_width]
+}
+
+/// Half width of the interval about a value: the distance to its farther end, where a bound cuts one of them off.
+///
+/// ```
+/// assert_eq!(identification::statistics::half_width(1.0, [0.0, 3.0]), 2.0);
+/// ```
+#[must_use]
+pub fn half_width(value: f64, [low, high]: [f64; 2]) -> f64 {
+    (high - value).max(value - low)
 }
 
 /// Mean; 0 for no values.

@@ -8,6 +8,7 @@ use archive::whole_file::Replace;
 use clap::Args;
 use comfy_table::Table;
 use dynamics::Model;
+use identification::statistics::half_width;
 use identification::{Agreement, Average, Fit, MeasuredCurve, Parameter, PreparationMethod};
 use loaded_capture::LoadedCapture;
 use report::{AveragePage, true_value};
@@ -209,7 +210,7 @@ fn harmonic_table(fit: &Fit) -> Option<Table> {
     // Where every harmonic is a whole number per turn, it is written as one.
     let digits = if harmonics.iter().all(|one| one.per_turn.fract() == 0.0) { 0 } else { 3 };
     let with_interval = |value: f64, ci95: Option<[f64; 2]>| {
-        ci95.map_or_else(|| format!("{value:.3}"), |[low, high]| format!("{value:.3} ± {:.3}", 0.5 * (high - low)))
+        ci95.map_or_else(|| format!("{value:.3}"), |ci95| format!("{value:.3} ± {:.3}", half_width(value, ci95)))
     };
     let rows = harmonics.iter().map(|harmonic| {
         [

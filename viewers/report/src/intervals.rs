@@ -1,5 +1,6 @@
 //! An interval as a small picture: whiskers, dot and, where it is known, the truth.
 
+use identification::statistics::half_width;
 use maud::{Markup, html};
 
 /// Size of the picture, SVG units.
@@ -11,7 +12,7 @@ const REACH: f64 = 3.0;
 
 /// The 95 % interval around `value` as a line, the textbook one as a thicker line upon it, and a tick at the truth.
 pub(crate) fn picture(value: f64, ci95: [f64; 2], textbook: Option<[f64; 2]>, truth: Option<f64>) -> Markup {
-    let half = (ci95[1] - value).max(value - ci95[0]);
+    let half = half_width(value, ci95);
     let farthest = truth.map_or(0.0, |truth| (truth - value).abs());
     let reach = half.max(farthest.min(REACH * half));
     if !(reach > 0.0 && reach.is_finite()) {

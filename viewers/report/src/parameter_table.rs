@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use dynamics::{EffectKind, Model, ParameterKind, effects};
 use identification::Parameter;
+use identification::statistics::half_width;
 use maud::{Markup, html};
 
 use crate::FitPage;
@@ -59,7 +60,7 @@ pub(crate) fn parameter_table(page: &FitPage<'_>) -> Markup {
 }
 
 fn estimate_cells(page: &FitPage<'_>, parameter: &Parameter, value: f64) -> Markup {
-    let half = parameter.ci95.map_or(f64::NAN, |[low, high]| (value - low).max(high - value));
+    let half = parameter.ci95.map_or(f64::NAN, |ci95| half_width(value, ci95));
     let digits = Digits::of_interval(value, half);
     let truth = true_value(page.truth, parameter.name, Some(value));
     html! {

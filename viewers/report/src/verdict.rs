@@ -3,6 +3,7 @@
 use identification::{Fit, Parameter};
 
 use crate::numbers::{Digits, three, two};
+use identification::statistics::half_width;
 
 /// Space at which no line ends.
 const NO_BREAK: &str = "\u{a0}";
@@ -71,7 +72,10 @@ pub(crate) fn plus_minus(parameter: &Parameter) -> Option<String> {
         Some([low, high]) if value <= low && high > low => {
             format!("at most {}", Digits::of_interval(high, high - low).show(high))
         }
-        Some([low, high]) => Digits::of_interval(value, 0.5 * (high - low)).plus_minus(value, 0.5 * (high - low)),
+        Some(ci95) => {
+            let half = half_width(value, ci95);
+            Digits::of_interval(value, half).plus_minus(value, half)
+        }
         None => three(value),
     })
 }

@@ -59,8 +59,9 @@ impl EncoderZero {
         }
         // Detents tell the angle but for whole periods: what else goes with the angle tells these.
         let fit = Separable::new(structure.clone(), train);
-        let more =
-            hypotheses::candidates(structure).into_iter().filter(|kind| kind.depends_on.contains(&Coordinate::Angle));
+        let more = hypotheses::candidates(structure, train)
+            .into_iter()
+            .filter(|kind| kind.depends_on.contains(&Coordinate::Angle));
         let with = more.filter_map(|kind| Some((kind, hypotheses::separable::fitted(kind, &fit, heldout, 0.0)?)));
         let best = with.min_by(|(_, a), (_, b)| a.train_rms_mnm.total_cmp(&b.train_rms_mnm));
         let shows = best.filter(|(kind, best)| {

@@ -9,14 +9,14 @@ pub(crate) mod rows;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
-use dynamics::{Calibration, Motion, Scene};
+use dynamics::{Axis, Calibration, Motion, Scene};
 use rand_distr::{Distribution as _, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng as _;
 
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::derivative::gradient;
-use crate::numerics::vector::{dot, smallest_step, subtract};
+use crate::numerics::vector::{self, dot, smallest_step};
 use crate::options::AccelerationUse;
 use crate::preparation::band::Band;
 use crate::preparation::filter::Fir;
@@ -106,10 +106,7 @@ pub(crate) struct Capture {
 impl Capture {
     /// Takes out of rows what says nothing about a model here.
     pub(crate) fn leave_undetermined_out(&self, rows: &mut [f64]) {
-        for open in &self.undetermined {
-            let share = dot(open, rows);
-            subtract(rows, share, open);
-        }
+        vector::take_out(&self.undetermined, rows);
     }
 
     /// Prepares samples that are to be compared in a band no wider than `edge_hz`.
@@ -214,6 +211,12 @@ impl Capture {
         let torque = [torque_mnm, vec![0.0; count], vec![0.0; count]];
         let capture = Self::without_motion_noise(band, motion, row_filter, torque, torque_noise_mnm);
         Self { is_map: true, ..capture }.since(start_s)
+    }
+
+    /// The same of an axis.
+    pub(crate) fn on(mut self, axis: Axis) -> Self {
+        self.scene.is_rotary = axis.is_rotary();
+        self
     }
 
     /// The same without the rows beyond the angles of another capture; `None` where nothing or hardly anything is beyond,
@@ -383,12 +386,7 @@ impl Capture {
 
     /// What is known of capture and knob before an effect is looked for.
     pub(crate) fn scene_of(&self, structure: &Structure) -> Scene {
-        Scene {
-            inertia: structure.inertia(),
-            detent_period_rad: structure.parameter("detent_period"),
-            detent_amplitude_mnm: structure.parameter("detent_amplitude").unwrap_or(0.0),
-            ..self.scene
-        }
+        Scene { inertia: structure.inertia(), detent_period_rad: structure.parameter("detent_period"), ..self.scene }
     }
 
     /// What is known of the capture alone.
@@ -412,6 +410,7 @@ impl Capture {
             sample_s: 1.0 / self.rate_hz,
             angle_step_rad: self.angle_step_rad,
             torque_rms_mnm: rms(&self.torque[0]),
+            is_rotary: self.scene.is_rotary,
             ..Scene::default()
         }
     }

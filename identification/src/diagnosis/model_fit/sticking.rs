@@ -80,7 +80,7 @@ fn within_range(mut structure: Structure, index: usize, train: &Capture) -> Stru
     let scene = train.scene_of(&structure);
     let effect = &mut structure.effects[index];
     for search in effect.kind().searches() {
-        if let Some((least, largest)) = (search.range)(&scene) {
+        if let Some((least, largest)) = search.range_in(&scene) {
             let value = &mut effect.values_mut()[search.parameter];
             *value = value.max(least).min(largest);
         }

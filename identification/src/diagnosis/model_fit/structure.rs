@@ -3,11 +3,14 @@
 use std::ops::Range;
 
 use dynamics::effects::{self, end_stop};
-use dynamics::{Bristles, Effect, Minimum, Model, Part, Scene};
+use dynamics::{Bristles, Effect, Model, Part, Scene};
 
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::lobes::Lobes;
 use crate::diagnosis::model_fit::twist;
+
+/// Share by which the values that every fit has may move.
+const NEAR: f64 = 0.03;
 
 /// A model while it is looked for.
 #[derive(Clone, Debug)]
@@ -160,13 +163,7 @@ impl Structure {
         for (effect, width) in self.effects.iter().zip(self.widths()) {
             let kind = effect.kind();
             let is_load = matches!(kind.part, Part::LoadFriction(_));
-            let is_bounded = |column: usize| {
-                kind.regressors.is_some_and(|r| {
-                    let direct = r.searched.is_empty() && r.columns == kind.parameters.len();
-                    r.nonnegative.contains(&column) || direct && kind.parameters[column].minimum != Minimum::None
-                })
-            };
-            signs.extend((0..width).map(|column| is_load || is_bounded(column)));
+            signs.extend((0..width).map(|column| is_load || kind.is_nonnegative(column)));
         }
         signs
     }
@@ -216,16 +213,14 @@ impl Structure {
                 // What every fit has is searched near its value.
                 for parameter in effect.kind().regressors.map_or(&[][..], |r| r.searched) {
                     let value = effect.values()[*parameter];
-                    all.push(Searched::Parameter {
-                        effect: index,
-                        parameter: *parameter,
-                        range: (0.97 * value, 1.03 * value),
-                    });
+                    let reach = NEAR * value.abs();
+                    let range = (value - reach, value + reach);
+                    all.push(Searched::Parameter { effect: index, parameter: *parameter, range });
                 }
                 continue;
             }
             for search in effect.kind().free_searches(self.columns[index]) {
-                if let Some(range) = (search.range)(scene) {
+                if let Some(range) = search.range_in(scene) {
                     all.push(Searched::Parameter { effect: index, parameter: search.parameter, range });
                 }
             }

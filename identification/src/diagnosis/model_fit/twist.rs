@@ -92,7 +92,7 @@ fn best_shaft(mut best: Effect, hypothesis: &Hypothesis, base: &Structure, train
     while ratio > FINEST {
         let mut moved = false;
         for search in hypothesis.searched {
-            let (lowest, highest) = (search.range)(&scene)?;
+            let (lowest, highest) = search.range_in(&scene)?;
             let at = |factor: f64| {
                 let mut tried = best;
                 let value = &mut tried.values_mut()[search.parameter];

@@ -20,8 +20,9 @@ const BELONGS: f64 = 0.3;
 
 /// Combinations of a structure's coefficients that a training capture leaves open.
 pub(crate) struct Undetermined {
-    /// Torque of each combination in the held-out capture, rows of which are orthonormal.
-    pub(crate) rows: Vec<Vec<f64>>,
+    structure: Structure,
+    /// The coefficients of each combination.
+    combinations: Vec<Vec<f64>>,
     /// The coefficients that belong to them, by the names of parameters or effects.
     names: Vec<&'static str>,
 }
@@ -32,10 +33,7 @@ impl Undetermined {
         if structure.is_coupled() {
             return None;
         }
-        let rows = |capture: &Capture| -> Vec<Vec<f64>> {
-            (0..structure.effects.len()).flat_map(|index| capture.rows_of(structure, index)).collect()
-        };
-        let (known, other) = (rows(train), rows(heldout));
+        let (known, other) = (columns(structure, train), columns(structure, heldout));
         let (known, products_there) = (vector::gram(&known), vector::gram(&other));
         let scale = |column: usize| products_there[(column, column)].sqrt();
         let shown: Vec<usize> = (0..other.len()).filter(|column| scale(*column) > 0.0).collect();
@@ -51,12 +49,11 @@ impl Undetermined {
         let is_open = |place: &usize| determined.eigenvalues[*place] * OPEN * heldout.weight < 1.0;
         let open: Vec<usize> = (0..shown.len()).filter(is_open).collect();
         let combinations = lower.transpose().solve_upper_triangular(&determined.eigenvectors)?;
-        let torque = |place: &usize| {
-            let mut sum = vec![0.0; heldout.row_count()];
-            for (part, column) in combinations.column(*place).iter().zip(&shown) {
-                vector::subtract(&mut sum, -part / scale(*column), &other[*column]);
-            }
-            sum
+        let coefficients = |place: &usize| {
+            let mut coefficients = vec![0.0; other.len()];
+            let parts = combinations.column(*place);
+            parts.iter().zip(&shown).for_each(|(part, column)| coefficients[*column] = part / scale(*column));
+            coefficients
         };
         let belongs = |row: &usize| {
             open.iter().any(|place| {
@@ -65,8 +62,21 @@ impl Undetermined {
             })
         };
         let names = (0..shown.len()).filter(belongs).map(|row| name(structure, shown[row]));
-        let undetermined = Self { rows: open.iter().map(torque).collect(), names: names.collect() };
+        let combinations = open.iter().map(coefficients).collect();
+        let undetermined = Self { structure: structure.clone(), combinations, names: names.collect() };
         (!open.is_empty()).then_some(undetermined)
+    }
+
+    /// The torques of the combinations in a capture, as orthonormal rows.
+    pub(crate) fn rows(&self, capture: &Capture) -> Vec<Vec<f64>> {
+        let columns = columns(&self.structure, capture);
+        let torque = |coefficients: &Vec<f64>| {
+            let mut sum = vec![0.0; capture.row_count()];
+            let terms = columns.iter().zip(coefficients);
+            terms.for_each(|(column, coefficient)| vector::subtract(&mut sum, -coefficient, column));
+            sum
+        };
+        vector::orthonormal(&self.combinations.iter().map(torque).collect::<Vec<_>>())
     }
 
     /// What a reader should know of them.
@@ -79,6 +89,11 @@ impl Undetermined {
             names.join(", ")
         )
     }
+}
+
+/// Rows of a structure's columns in a capture.
+fn columns(structure: &Structure, capture: &Capture) -> Vec<Vec<f64>> {
+    (0..structure.effects.len()).flat_map(|index| capture.rows_of(structure, index)).collect()
 }
 
 /// Name of the parameter that a column's coefficient is, or of its effect.

@@ -67,8 +67,7 @@ pub(crate) fn is_near_the_floor(judged: &Judged) -> bool {
 /// Mean square above the floor that a model leaves, and how much of it one more effect takes away, mNm².
 pub(crate) fn gap_and_closed(before: &Judged, after: &Judged) -> [f64; 2] {
     let gap = before.excess_above_lower_floor(after);
-    // A coupling that the angle's noise drives raises the floor, and what it left is less than it seems.
-    [gap, gap - after.excess_above_lower_floor(before).min(after.excess())]
+    [gap, gap - after.excess()]
 }
 
 /// Whether an effect more explains as much as one that is worth a name, though perhaps not surely.

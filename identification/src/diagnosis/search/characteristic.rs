@@ -32,7 +32,7 @@ const TURNS: f64 = 1.1;
 /// All splines that a capture could show.
 fn all_splines(capture: &Capture) -> Vec<Spline> {
     let scene = capture.scene();
-    let turns = scene.travel_rad() > TURNS * TAU;
+    let turns = scene.is_rotary && scene.travel_rad() > TURNS * TAU;
     let over_angle = [effects::angle_characteristic::KIND.name, effects::friction_characteristic::KIND.name];
     let mut all = Vec::new();
     for kind in effects::ALL {

@@ -263,7 +263,8 @@ impl<'a> Search<'a> {
         let firsts: Vec<&Judged> = found.rivals[0].iter().filter(is_first).take(OTHER_STARTS).collect();
         let others = firsts.into_iter().map(|first| {
             let mut other = bare.clone();
-            search.add_or_take_for_detents(&mut other, first.clone(), found.rivals[0].clone());
+            let rivals = found.rivals[0].iter().chain([&found.chain[1]]).cloned().collect();
+            search.add_or_take_for_detents(&mut other, first.clone(), rivals);
             search.extend_and_revise(&mut other);
             other
         });
@@ -309,12 +310,13 @@ impl<'a> Search<'a> {
     /// Adds an effect, or takes it for the detents if it is the first torque that repeats with the angle, which the model's base lacked; whether
     /// it was added.
     fn add_or_take_for_detents(&self, found: &mut Found, chosen: Judged, rivals: Vec<Judged>) -> bool {
-        let Some(with_detents) = self.as_detent(&chosen) else {
+        let Some(detent) = self.as_detent(&chosen) else {
             self.add(found, chosen, rivals);
             return true;
         };
-        found.chain.pop();
-        found.chain.push(with_detents);
+        let place = found.chain[0].structure.effects.len();
+        let with_detents = |judged: &Judged| self.settled(judged.structure.with_at(place, detent, 2));
+        found.chain = found.chain.par_iter().map(with_detents).collect();
         false
     }
 
@@ -383,8 +385,10 @@ impl<'a> Search<'a> {
         null_test::rms_mnm(effect, before, &after.structure, self.train, self.heldout)
     }
 
-    pub(crate) fn add(&self, found: &mut Found, chosen: Judged, rivals: Vec<Judged>) {
+    /// Adds an effect; it is no rival of its own.
+    pub(crate) fn add(&self, found: &mut Found, chosen: Judged, mut rivals: Vec<Judged>) {
         let effect = chosen.newest();
+        rivals.retain(|rival| rival.newest() != effect);
         let rate = found.chain.last().map(|before| false_discovery_rate_of(&chosen, &rivals, before));
         found.false_discovery_rates.extend(rate);
         self.say(Progress::Added { effect, heldout_over_floor: chosen.heldout_over_floor() });

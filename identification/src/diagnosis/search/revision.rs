@@ -33,7 +33,6 @@ impl Search<'_> {
                 // Others were tried beside fewer effects.
                 let is_newest = step + 1 == found.added.len();
                 let mut rivals = if is_newest { std::mem::take(&mut found.rivals[step]) } else { Vec::new() };
-                rivals.retain(|rival| rival.newest() != contained.name);
                 rivals.push(with_larger);
                 self.remove(found, step, without);
                 self.add(found, simple, rivals);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use dynamics::effects::{self, cogging};
-use dynamics::{Coordinate, Effect, EffectKind, ParameterKind, Part, Role};
+use dynamics::{Effect, EffectKind, ParameterKind, Part};
 use rayon::prelude::*;
 
 use crate::diagnosis::findings::Value;
@@ -23,13 +23,6 @@ use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::{Found, Search};
 use crate::diagnosis::workflow::Progress;
 use crate::numerics::vector::dot;
-
-/// Whether an effect is a torque over the angle, which a measured curve has already.
-fn is_curve(kind: &EffectKind) -> bool {
-    matches!(kind.role, Role::Detents | Role::Other)
-        && matches!(kind.part, Part::Torque(_) | Part::Reading(_))
-        && !kind.depends_on.contains(&Coordinate::Time)
-}
 
 /// Detents of the torque, mNm, periods per turn and phase, rad, of a line of cogging.
 pub(crate) fn detent_of([amplitude_mnm, per_turn, phase_rad]: [f64; 3]) -> Effect {
@@ -67,7 +60,7 @@ impl Search<'_> {
 
     /// The same without couplings.
     pub(crate) fn try_values(&self, current: &Judged) -> Vec<Judged> {
-        let mut kinds = self.candidates(&current.structure);
+        let mut kinds = candidates(&current.structure, self.train);
         if current.structure.is_simulated() {
             let mut tried = coupled::with_one_more(&kinds, &current.structure, self.train, self.heldout);
             if !self.detents_are_equal {
@@ -140,7 +133,7 @@ impl Search<'_> {
         }
         let is_mostly_explained = !is_faint && tried.iter().any(explains_most);
         let effort = if is_faint { Effort::Fine } else { Effort::Full };
-        let of = self.candidates(&current.structure).len();
+        let of = candidates(&current.structure, self.train).len();
         let mut couplings = self.couplings(current);
         // A shaft is found without simulation.
         couplings.retain(|kind| twist::is_shaft(kind) || !is_mostly_explained && !found.has_failed(kind));
@@ -173,7 +166,7 @@ impl Search<'_> {
 
     /// The couplings that could be added to a structure, that with the fewest values first.
     pub(crate) fn couplings(&self, current: &Judged) -> Vec<&'static EffectKind> {
-        let mut couplings = self.candidates(&current.structure);
+        let mut couplings = candidates(&current.structure, self.train);
         couplings.retain(|kind| is_coupling(kind));
         couplings.sort_by_key(|kind| kind.parameters.len());
         couplings
@@ -200,7 +193,7 @@ impl Search<'_> {
         let effect = &structure.effects[index];
         let shows_gap = || {
             let search = effect.kind().hypothesis?.searched.first()?;
-            let (least_rad, _) = (search.range)(&self.train.scene_of(structure))?;
+            let (least_rad, _) = search.range_in(&self.train.scene_of(structure))?;
             let [low, _] = values.get(effect.kind().parameters[search.parameter].name)?.ci95?;
             Some(low > least_rad)
         };
@@ -209,22 +202,6 @@ impl Search<'_> {
 
     fn coupled(&self, kind: &'static EffectKind, current: &Judged, effort: Effort) -> Option<Judged> {
         coupled::fitted(kind, &current.structure, [self.train, self.heldout], effort)
-    }
-
-    /// The effects that could be added to a structure; on a map those of the angle.
-    pub(crate) fn candidates(&self, structure: &Structure) -> Vec<&'static EffectKind> {
-        let mut kinds = candidates(structure);
-        let is_of_angle = |kind: &&EffectKind| {
-            !matches!(kind.part, Part::Coupling(_) | Part::Bristles(_) | Part::ReadingDelay(_))
-                && kind.depends_on.iter().all(|coordinate| *coordinate == Coordinate::Angle)
-        };
-        let travel_rad = self.train.scene().travel_rad();
-        kinds.retain(|kind| !self.train.is_map || is_of_angle(kind));
-        let shows = |least_rad| self.options.axis.is_rotary() && least_rad <= travel_rad;
-        kinds.retain(|kind| kind.hypothesis.is_some_and(|hypothesis| hypothesis.least_turn_rad.is_none_or(shows)));
-        let is_measured = structure.position(effects::angle_characteristic::KIND.name).is_some();
-        kinds.retain(|kind| !(is_measured && is_curve(kind)));
-        kinds
     }
 
     /// Why the last effect cannot be the one, if so.
@@ -269,13 +246,11 @@ impl Search<'_> {
         judged.newest() == cogging::KIND.name && !judged.structure.has_detents()
     }
 
-    /// The same with the last effect taken for the detents; `None` if it is something else.
-    pub(crate) fn as_detent(&self, judged: &Judged) -> Option<Judged> {
+    /// The last effect as detents; `None` if it is something else.
+    pub(crate) fn as_detent(&self, judged: &Judged) -> Option<Effect> {
         let effect = judged.structure.effects.last().filter(|_| self.is_the_detents(judged))?;
         // Other lines will be found again beside the detents.
-        let detent = cogging::lines(effect.values()).next().map(detent_of)?;
-        let base = judged.structure.without(judged.structure.effects.len() - 1);
-        Some(self.settled(base.with(detent, 2)))
+        cogging::lines(effect.values()).next().map(detent_of)
     }
 
     /// Whether the last effect is cogging of which every line is a multiple of the detents': that is the detents' own shape.

@@ -10,8 +10,10 @@ use crate::uncertainty::statistics::{false_discovery_rate, mean_over_error, medi
 
 /// Bins of a coordinate, each with as many rows.
 const BINS: usize = 24;
-/// Stretches that are left out in turn when a map is tested.
+/// Parts of the capture that are left out in turn when a map is tested …
 const FOLDS: usize = 12;
+/// … each one stretch, but over time so many, all over the capture: a bin must have rows in other parts.
+const STRETCHES_IN_TIME: usize = 6;
 /// Lines on each side that tell how high a spectrum is where one line stands.
 const NEIGHBOURS: usize = 40;
 /// Fewest of them on each side.
@@ -52,7 +54,6 @@ pub(crate) fn locate(residual: &[f64], structure: &Structure, capture: &Capture)
     let motion = |index: usize| rows[index].0;
     let mut coordinates: Vec<(&'static str, &'static str, Vec<f64>)> = vec![
         ("angle", "rad", take(&|index| motion(index).angle_rad)),
-        ("angle-within-turn", "rad", take(&|index| motion(index).angle_rad.rem_euclid(TAU))),
         ("velocity", "rad/s", take(&|index| motion(index).velocity_rad_s)),
         ("speed-and-direction-of-acceleration", "rad/s", {
             // Loops of hysteresis and inertia: the same speed, gaining or losing.
@@ -63,6 +64,9 @@ pub(crate) fn locate(residual: &[f64], structure: &Structure, capture: &Capture)
         ("load", "mNm", take(&|index| load[index])),
         ("time", "s", take(&|index| capture.start_s + motion(index).time_s)),
     ];
+    if capture.scene().is_rotary {
+        coordinates.push(("angle-within-turn", "rad", take(&|index| motion(index).angle_rad.rem_euclid(TAU))));
+    }
     if let Some(period_rad) = structure.parameter("detent_period") {
         let phase = structure.parameter("detent_phase").unwrap_or(0.0);
         let within = |index: usize| (motion(index).angle_rad / period_rad + phase).rem_euclid(TAU);
@@ -82,10 +86,12 @@ pub(crate) fn locate(residual: &[f64], structure: &Structure, capture: &Capture)
 /// The map over one coordinate, with what it predicts of stretches that it was not made from.
 fn mapped(coordinate: &'static str, unit: &'static str, at: &[f64], residual: &[f64]) -> Location {
     let bins = binned(at);
-    let fold_length = residual.len().div_ceil(FOLDS).max(1);
+    let stretches = if coordinate == "time" { FOLDS * STRETCHES_IN_TIME } else { FOLDS };
+    let stretch = residual.len().div_ceil(stretches).max(1);
+    let fold_of = |index: usize| index / stretch % FOLDS;
     let mut sums = vec![[0.0; 2]; BINS * FOLDS];
     for (index, value) in residual.iter().enumerate() {
-        let slot = &mut sums[bins[index] * FOLDS + (index / fold_length).min(FOLDS - 1)];
+        let slot = &mut sums[bins[index] * FOLDS + fold_of(index)];
         *slot = [slot[0] + value, slot[1] + 1.0];
     }
     let all: Vec<[f64; 2]> = sums
@@ -94,7 +100,7 @@ fn mapped(coordinate: &'static str, unit: &'static str, at: &[f64], residual: &[
         .collect();
     let mut gains = [0.0; FOLDS];
     for (index, value) in residual.iter().enumerate() {
-        let fold = (index / fold_length).min(FOLDS - 1);
+        let fold = fold_of(index);
         let own = sums[bins[index] * FOLDS + fold];
         let [sum, count] = [all[bins[index]][0] - own[0], all[bins[index]][1] - own[1]];
         let predicted = if count > 0.0 { sum / count } else { 0.0 };

@@ -31,6 +31,8 @@ pub(crate) use windows::{grouped_products, triangle};
 
 /// Rows that are looked at together: a dozen columns of them stay in the first-level cache.
 const BLOCK: usize = 512;
+/// Share of its square that a column must have beside the ones before to have a direction of its own.
+const DEPENDENT: f64 = 1e-8;
 /// Independent partial sums.
 const LANES: usize = 16;
 
@@ -184,4 +186,27 @@ pub(crate) fn friction(velocity: &[f64], [coulomb_negative, coulomb_positive, ne
             *viscous.1 = if *velocity > 0.0 { *velocity } else { 0.0 };
         }
     });
+}
+/// Takes the directions of orthonormal columns out of another one.
+pub(crate) fn take_out(basis: &[Vec<f64>], column: &mut [f64]) {
+    for known in basis {
+        let share = dot(known, column);
+        subtract(column, share, known);
+    }
+}
+
+/// An orthonormal basis of columns (Gram and Schmidt), without those that depend on the ones before.
+pub(crate) fn orthonormal<C: AsRef<[f64]>>(columns: &[C]) -> Vec<Vec<f64>> {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for column in columns {
+        let mut left = column.as_ref().to_vec();
+        let before = dot(&left, &left);
+        take_out(&basis, &mut left);
+        let after = dot(&left, &left);
+        if after > DEPENDENT * before {
+            left.iter_mut().for_each(|value| *value /= after.sqrt());
+            basis.push(left);
+        }
+    }
+    basis
 }

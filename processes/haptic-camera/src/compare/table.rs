@@ -1,6 +1,7 @@
 //! A comparison for an 80-column terminal.
 
 use comfy_table::Table;
+use identification::statistics::half_width;
 use report::{ComparedKnob, ComparedQuality, ComparedValue, Comparison};
 use sheet::perception::PerceivedDifference;
 
@@ -91,8 +92,8 @@ fn row(name: &str, cells: impl Iterator<Item = Option<String>>, unit: &str) -> V
 
 fn cell(own: &ComparedValue) -> String {
     match (own.value, own.ci95) {
-        (Some(value), Some([low, high])) => {
-            let half = (value - low).max(high - value);
+        (Some(value), Some(ci95)) => {
+            let half = half_width(value, ci95);
             let digits = interval_digits(half);
             format!("{value:.digits$}±{half:.digits$}")
         }

@@ -1,5 +1,6 @@
 //! The mean's parameters beside those of each capture.
 
+use identification::statistics::half_width;
 use identification::{Fit, Parameter, Repeatability};
 use maud::{Markup, html};
 
@@ -50,9 +51,9 @@ fn row(page: &AveragePage<'_>, shown: &[Fit], parameter: &Parameter) -> Markup {
         tr {
             (name_cells(parameter.name))
             @match parameter.value.zip(parameter.ci95) {
-                Some((value, [low, high])) => {
-                    @let digits = Digits::of_interval(value, 0.5 * (high - low));
-                    td.number.value { (digits.show(value)) span.faint { (digits.span([low, high])) } }
+                Some((value, ci95)) => {
+                    @let digits = Digits::of_interval(value, half_width(value, ci95));
+                    td.number.value { (digits.show(value)) span.faint { (digits.span(ci95)) } }
                 },
                 None => td.number { "–" span.faint { "not identifiable" } },
             }
@@ -70,8 +71,8 @@ fn row(page: &AveragePage<'_>, shown: &[Fit], parameter: &Parameter) -> Markup {
 /// What one capture tells of a parameter.
 fn cell(fit: &Fit, name: &str) -> Markup {
     let own = fit.parameters.get(name).and_then(|own| own.value.zip(own.ci95));
-    let Some((value, [low, high])) = own else { return html! { td.number { "–" } } };
-    let half = (value - low).max(high - value);
+    let Some((value, ci95)) = own else { return html! { td.number { "–" } } };
+    let half = half_width(value, ci95);
     let digits = Digits::of_interval(value, half);
     html! { td.number { (digits.show(value)) span.faint { "±\u{a0}" (digits.show(half)) } } }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use dynamics::Model;
+use identification::statistics::half_width;
 use identification::{Agreement, Repeatability};
 use serde::Serialize;
 use sheet::perception::PerceivedDifference;
@@ -136,7 +137,7 @@ impl ComparedValue {
     /// A value with its interval, or why there is none.
     #[must_use]
     pub fn new(value: Option<f64>, unit: &'static str, ci95: Option<[f64; 2]>, reason: Option<String>) -> Self {
-        let half_width = value.zip(ci95).map(|(value, [low, high])| (value - low).max(high - value));
+        let half_width = value.zip(ci95).map(|(value, ci95)| half_width(value, ci95));
         Self { value, unit, ci95, ci95_half_width: half_width, reason }
     }
 

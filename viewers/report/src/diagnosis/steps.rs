@@ -2,6 +2,7 @@
 
 use dynamics::{EffectKind, effects};
 use identification::diagnosis::{Diagnosis, Row, Step, Value};
+use identification::statistics::half_width;
 use maud::{Markup, html};
 
 use super::{Numbering, alone, floors, rivals};
@@ -108,7 +109,7 @@ fn parameters(step: &Step, kind: Option<&'static EffectKind>) -> Markup {
 }
 
 fn row(name: &str, value: &Value) -> Markup {
-    let half = value.ci95.map_or(f64::NAN, |[low, high]| (value.value - low).max(high - value.value));
+    let half = value.ci95.map_or(f64::NAN, |ci95| half_width(value.value, ci95));
     let digits = match value.ci95 {
         Some(_) => Digits::of_interval(value.value, half),
         None => Digits::significant(value.value, DIGITS),

@@ -1,5 +1,6 @@
 //! The parameters of a rendered knob beside those intended.
 
+use identification::statistics::half_width;
 use maud::{Markup, html};
 
 use super::RenderedParameter;
@@ -49,7 +50,7 @@ fn row(parameter: &RenderedParameter) -> Markup {
             }
         };
     };
-    let half = ci95.map_or(f64::NAN, |[low, high]| (value - low).max(high - value));
+    let half = ci95.map_or(f64::NAN, |ci95| half_width(value, ci95));
     let digits = Digits::of_interval(value, half);
     let inside = ci95.map(|[low, high]| (low..=high).contains(intended));
     html! {

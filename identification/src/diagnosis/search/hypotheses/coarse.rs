@@ -5,7 +5,7 @@ use dynamics::{Effect, Motion, Part};
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::numerics::vector::{dot, subtract};
+use crate::numerics::vector::{self, dot};
 use crate::regression::least_squares::LeastSquares;
 
 /// What a further effect would explain, judged at the rows' middles without filtering: enough to choose starts.
@@ -29,45 +29,32 @@ impl Coarse {
             let rows = (0..capture.motion.len()).step_by(capture.row_filter.step);
             rows.map(structure.friction_mnm(&capture.motion, coulomb_only)).collect()
         };
-        let mut basis: Vec<Vec<f64>> = Vec::new();
-        for column in columns {
-            let mut left = column.to_vec();
-            let before = dot(&left, &left);
-            for known in &basis {
-                let share = dot(known, &left);
-                subtract(&mut left, share, known);
-            }
-            let after = dot(&left, &left);
-            if after > 1e-8 * before {
-                left.iter_mut().for_each(|value| *value /= after.sqrt());
-                basis.push(left);
-            }
-        }
+        let basis = vector::orthonormal(columns);
         Self { motions: capture.row_motions(), friction: [thin(false), thin(true)], basis, residual: residual.to_vec() }
     }
 
     /// By how much the effect's columns would lower the sum of squares, mNm².
     pub(super) fn gain(&self, effect: &Effect) -> f64 {
-        self.gain_into(&mut effect.clone())
+        // A further line of the law does not occur yet.
+        self.gain_into(&mut effect.clone(), effect.kind().columns_of_a_line())
     }
 
-    /// The same; writes the coefficients into the effect's values.
-    pub(super) fn gain_into(&self, effect: &mut Effect) -> f64 {
+    /// The same of its leading columns; writes their coefficients into the effect's values.
+    pub(super) fn gain_into(&self, effect: &mut Effect, width: usize) -> f64 {
         let Some(regressors) = effect.kind().regressors else { return 0.0 };
         let factor = match effect.kind().part {
             Part::FrictionFactor(_) => Some(&self.friction[0]),
             Part::CoulombFactor(_) => Some(&self.friction[1]),
             _ => None,
         };
-        // A further line of the law does not occur yet.
-        let mut columns = vec![vec![0.0; self.motions.len()]; effect.kind().columns_of_a_line()];
+        let mut columns = vec![vec![0.0; self.motions.len()]; width];
         let mut row = [0.0; dynamics::MAX_PARAMETERS];
         for (index, (motion, mask)) in self.motions.iter().enumerate().filter(|(_, (_, mask))| *mask != 0.0) {
             (regressors.fill)(effect, motion, &mut row[..regressors.columns]);
             let weight = mask * factor.map_or(1.0, |friction| friction[index]);
             columns.iter_mut().zip(row).for_each(|(column, value)| column[index] = weight * value);
         }
-        let nonnegative: Vec<bool> = (0..columns.len()).map(|c| regressors.nonnegative.contains(&c)).collect();
+        let nonnegative: Vec<bool> = (0..columns.len()).map(|column| effect.kind().is_nonnegative(column)).collect();
         let (gain, coefficients) = self.gain_of(columns, &nonnegative);
         let mut all = vec![0.0; regressors.columns];
         all[..coefficients.len()].copy_from_slice(&coefficients);
@@ -77,12 +64,7 @@ impl Coarse {
 
     /// By how much columns would lower the sum of squares, mNm², and their coefficients.
     pub(super) fn gain_of(&self, mut columns: Vec<Vec<f64>>, nonnegative: &[bool]) -> (f64, Vec<f64>) {
-        for column in &mut columns {
-            for known in &self.basis {
-                let share = dot(known, column);
-                subtract(column, share, known);
-            }
-        }
+        columns.iter_mut().for_each(|column| vector::take_out(&self.basis, column));
         let solved = LeastSquares::held(&columns, &self.residual, nonnegative, &[]);
         (dot(&self.residual, &self.residual) - dot(&solved.residual, &solved.residual), solved.coefficients)
     }

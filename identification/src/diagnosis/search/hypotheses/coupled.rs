@@ -25,6 +25,8 @@ const HOPELESS: f64 = 0.95;
 const ALIKE: f64 = 0.01;
 /// A fit that leaves so many times the squares of the best one after a few steps is given up.
 const LOSING: f64 = 2.0;
+/// Which of the smaller versions of an effect is tried beside a coupling: of the detents' harmonics the first three.
+const SMALLER: usize = 2;
 /// Effects that are tried in full beside a coupling.
 const PROMISING: usize = 3;
 
@@ -150,7 +152,7 @@ pub(crate) fn with_one_more(
     let mut promising: Vec<(f64, Structure)> = Vec::new();
     for kind in kinds {
         let Some(hypothesis) = kind.hypothesis else { continue };
-        let width = hypothesis.nested.get(2).copied().unwrap_or(kind.columns_of_a_line());
+        let width = hypothesis.nested.get(SMALLER).copied().unwrap_or(kind.columns_of_a_line());
         if kind.regressors.is_none() {
             // Friction of the load, or a delay: what it would do shows in the simulation alone.
             let structure = base.with(Effect::new(kind, &[]), width);
@@ -164,7 +166,7 @@ pub(crate) fn with_one_more(
             .par_iter()
             .map(|point| {
                 let mut effect = effect_at(kind, &hypothesis, point);
-                (coarse.gain_into(&mut effect), effect)
+                (coarse.gain_into(&mut effect, width), effect)
             })
             .max_by(|a, b| a.0.total_cmp(&b.0));
         promising.extend(best.map(|(gain, effect)| (gain, base.with(effect, width))));

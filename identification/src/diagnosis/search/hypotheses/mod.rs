@@ -5,21 +5,39 @@ pub(crate) mod coupled;
 pub(crate) mod separable;
 
 use dynamics::effects::{self, cogging};
-use dynamics::{Effect, EffectKind, Hypothesis, Part, Scene};
+use dynamics::{Coordinate, Effect, EffectKind, Hypothesis, Part, Role, Scene};
 
+use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::structure::Structure;
 
-/// The effects that could be added to a structure.
-pub(crate) fn candidates(structure: &Structure) -> Vec<&'static EffectKind> {
-    let coupled = structure.is_coupled();
-    effects::ALL
-        .into_iter()
-        .filter(|kind| {
-            kind.hypothesis.is_some()
-                && structure.position(kind.name).is_none()
-                && !(coupled && matches!(kind.part, Part::Coupling(_) | Part::Bristles(_)))
-        })
-        .collect()
+/// The effects that could be added to a structure, of which a capture could show each.
+pub(crate) fn candidates(structure: &Structure, capture: &Capture) -> Vec<&'static EffectKind> {
+    let scene = capture.scene();
+    let is_coupled = structure.is_coupled();
+    let is_measured = structure.position(effects::angle_characteristic::KIND.name).is_some();
+    let shows_turns = |least_rad| scene.is_rotary && least_rad <= scene.travel_rad();
+    let mut kinds = effects::ALL.to_vec();
+    kinds.retain(|kind| {
+        kind.hypothesis.is_some_and(|hypothesis| hypothesis.least_turn_rad.is_none_or(shows_turns))
+            && structure.position(kind.name).is_none()
+            && !(is_coupled && matches!(kind.part, Part::Coupling(_) | Part::Bristles(_)))
+            && (!capture.is_map || is_of_angle(kind))
+            && !(is_measured && is_curve(kind))
+    });
+    kinds
+}
+
+/// Whether an effect depends on the angle alone, and acts at once.
+fn is_of_angle(kind: &EffectKind) -> bool {
+    !matches!(kind.part, Part::Coupling(_) | Part::Bristles(_) | Part::ReadingDelay(_))
+        && kind.depends_on.iter().all(|coordinate| *coordinate == Coordinate::Angle)
+}
+
+/// Whether an effect is a torque over the angle, which a measured curve has already.
+fn is_curve(kind: &EffectKind) -> bool {
+    matches!(kind.role, Role::Detents | Role::Other)
+        && matches!(kind.part, Part::Torque(_) | Part::Reading(_))
+        && !kind.depends_on.contains(&Coordinate::Time)
 }
 
 /// All combinations of the searched parameters' starts, the law occurring once; `None` if the capture cannot show one of
