@@ -39,16 +39,13 @@ pub(crate) fn count(capture: &mut Capture) {
 /// Bytes among which the names of all columns are.
 const HEADER: usize = 4096;
 
-/// The axis on which the first line that is no comment names every column that a capture must have; `None` where it does not.
+/// The axis on which a line names every column that a capture must have; `None` where none does.
 pub(crate) fn axis_of(path: &Path) -> Result<Option<Axis>, ArchiveError> {
     let head = first_bytes(path, HEADER)?;
-    let head = String::from_utf8_lossy(&head);
-    let names = head.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default();
-    let separator = char::from(foreign_files::separator(names.as_bytes()));
-    let cells = names.split(separator).map(|cell| cell.trim_matches([' ', '"', '\u{feff}']));
-    let is_there = |name: &str| cells.clone().any(|cell| cell.eq_ignore_ascii_case(name));
-    let has_all =
-        |axis: &Axis| MEASURED.iter().filter(|column| column.required).all(|column| is_there(column.name_on(*axis)));
+    let has_all = |axis: &Axis| {
+        let required = MEASURED.iter().filter(|column| column.required).map(|column| column.name_on(*axis));
+        foreign_files::preamble(&head, &required.collect::<Vec<_>>()).is_some()
+    };
     Ok([Axis::Rotary, Axis::Linear].into_iter().find(has_all))
 }
 

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use archive::testers::{ColumnChoice, Curve};
+use archive::testers::{Assignments, ColumnChoice, Curve};
 use shared_types::Axis;
 
 /// Gram-force, N.
@@ -161,4 +161,24 @@ fn a_contact_is_read_from_a_flag_whatever_its_column_is_called() {
     assert_eq!(read("any.csv", &rows("x,F,switch\n"), Some(&chosen)).unwrap().closed, Some(closed.clone()));
     let contact = ours.into_capture().unwrap().contact.unwrap();
     assert!(contact.iter().zip(closed).all(|(value, closed)| *value == f64::from(u8::from(closed))));
+}
+
+#[test]
+fn units_in_the_names_of_chosen_columns_are_converted() {
+    let chosen = |columns: &str| ColumnChoice::new(columns.parse().unwrap(), Assignments::default()).unwrap();
+    for (header, columns) in [
+        ("Time [ms],Position [deg],Torque [N·m]\n", "time=Time [ms],angle=Position [deg],torque=Torque [N·m]"),
+        ("t_ms,pos_deg,M (Nm)\n", "time=t_ms,angle=pos_deg,torque=M (Nm)"),
+    ] {
+        let text = table(header, |n| format!("{n},{},0.002", 180.0 * n));
+        let curve = read("named.csv", &text, Some(&chosen(columns))).unwrap();
+        assert!((curve.t_s.unwrap()[1] - 1e-3).abs() < 1e-12, "{header}");
+        assert!((curve.position[1] - std::f64::consts::PI).abs() < 1e-12, "{header}");
+        assert!((curve.load[1] - 2.0).abs() < 1e-12, "{header}");
+    }
+    let text = table("time,counts [counts],M\n", |n| format!("{n},{n},1"));
+    assert_eq!(
+        read("counts.csv", &text, Some(&chosen("time=time,angle=counts [counts],torque=M"))).unwrap_err(),
+        "FILE: the unit in `counts [counts]` is none of angle; give its unit, as in angle=rad"
+    );
 }

@@ -143,6 +143,8 @@ impl Quantity {
                 ("deg", std::f64::consts::PI / 180.0),
                 ("°", std::f64::consts::PI / 180.0),
                 ("turn", std::f64::consts::TAU),
+                ("turns", std::f64::consts::TAU),
+                ("rev", std::f64::consts::TAU),
             ],
             Self::Torque => &[
                 ("mNm", 1.0),
@@ -171,16 +173,20 @@ impl Quantity {
         }
     }
 
-    /// The size of a unit in the instrument's; `None` for a unit that is not one of this quantity.
+    /// The size of a unit in the instrument's, however its product is written: Nm, N m, N·m, N*m or N-m; `None` for a unit that is not
+    /// one of this quantity.
     ///
     /// ```
     /// use dynamics::Quantity;
     ///
     /// assert_eq!(Quantity::Torque.factor("Ncm"), Some(10.0));
+    /// assert_eq!(Quantity::Torque.factor("N·m"), Some(1e3));
     /// assert_eq!(Quantity::Torque.factor("mm"), None);
     /// ```
     #[must_use]
     pub fn factor(self, unit: &str) -> Option<f64> {
-        self.units().iter().find(|(name, _)| *name == unit).map(|(_, factor)| *factor)
+        let plain = |unit: &str| unit.replace([' ', '·', '⋅', '*', '-'], "");
+        let unit = plain(unit);
+        self.units().iter().find(|(name, _)| plain(name) == unit).map(|(_, factor)| *factor)
     }
 }

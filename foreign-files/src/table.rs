@@ -1,6 +1,6 @@
 //! Tables of numbers as text.
 //!
-//! A table begins with a line of column names and has one row of numbers a line. Columns may stand in any order, and their names
+//! A table has a line of column names, and below it one row of numbers a line; what stands above that line is passed over. Columns may stand in any order, and their names
 //! be written in capitals. A byte order mark, Windows line ends, quotation marks, blanks around cells, empty lines, lines that begin
 //! with `#` and separators at the ends of lines are passed over. Commas, semicolons or tabulators separate cells. Numbers are finite and
 //! written with a point, beside semicolons or tabulators also with a comma.
@@ -85,13 +85,20 @@ pub fn read_columns<const N: usize>(
     others: OtherColumns,
 ) -> Result<[Option<Vec<f64>>; N], TableError> {
     let mut text = BufReader::with_capacity(HEAD, text);
-    let separator = separator(header_line(text.fill_buf().map_err(from_io)?));
+    let required = wanted.iter().filter(|column| column.required).map(|column| column.name);
+    let head = text.fill_buf().map_err(from_io)?;
+    let preamble = preamble(head, &required.collect::<Vec<_>>()).unwrap_or_default();
+    let lines_above = preamble.iter().filter(|byte| **byte == b'\n').count() as u64;
+    let length = preamble.len();
+    let separator = separator(header_line(&head[length..]));
+    text.consume(length);
     let mut table = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
         .flexible(true)
         .delimiter(separator)
         .from_reader(text);
+    let from_csv = |error| from_csv(error, lines_above);
     let header = table.headers().map_err(from_csv)?.clone();
     let mut names: Vec<&str> = header.iter().map(|name| name.trim_start_matches('\u{feff}').trim()).collect();
     while names.last().is_some_and(|name| name.is_empty()) {
@@ -101,7 +108,8 @@ pub fn read_columns<const N: usize>(
     let mut columns = places.map(|place| place.map(|_| Vec::new()));
     let mut record = csv::StringRecord::new();
     while table.read_record(&mut record).map_err(from_csv)? {
-        let wrong = |reason| TableError::Line { line: record.position().map_or(0, csv::Position::line), reason };
+        let line = record.position().map_or(0, csv::Position::line) + lines_above;
+        let wrong = |reason| TableError::Line { line, reason };
         if record.len() < names.len() || record.iter().skip(names.len()).any(|cell| !cell.is_empty()) {
             return Err(wrong(wrong_length(record.len(), names.len())));
         }
@@ -134,6 +142,23 @@ fn places<const N: usize>(
     });
     let found = names.join(",");
     Err(TableError::Header { found: quoted(&found), expected: expected.collect() })
+}
+
+/// What stands above the line that names all these columns, at a text's beginning; `None` where no line does.
+#[must_use]
+pub fn preamble<'a>(text: &'a [u8], names: &[&str]) -> Option<&'a [u8]> {
+    let head = text.get(..HEAD).unwrap_or(text);
+    let mut start = 0;
+    for line in head.split_inclusive(|byte| *byte == b'\n') {
+        let found = String::from_utf8_lossy(line);
+        let separator = char::from(separator(line));
+        let cells: Vec<&str> = found.split(separator).map(|cell| cell.trim().trim_matches(['"', '\u{feff}'])).collect();
+        if names.iter().all(|name| cells.iter().any(|cell| cell.eq_ignore_ascii_case(name))) {
+            return Some(&head[..start]);
+        }
+        start += line.len();
+    }
+    None
 }
 
 /// The first line that is neither empty nor a comment.
@@ -193,8 +218,8 @@ fn quoted(text: &str) -> String {
     shown
 }
 
-fn from_csv(error: csv::Error) -> TableError {
-    let line = error.position().map_or(0, csv::Position::line);
+fn from_csv(error: csv::Error, lines_above: u64) -> TableError {
+    let line = error.position().map_or(0, csv::Position::line) + lines_above;
     match error.into_kind() {
         csv::ErrorKind::Io(error) => from_io(error),
         csv::ErrorKind::Utf8 { .. } => TableError::NotText,

@@ -23,6 +23,8 @@ fn what_spreadsheets_and_people_add_is_passed_over() {
         "# drawn by hand\nt_s,angle_rad\n\n0,2.5\n# half way\n\n1,-3e-1\n\n",
         "t_s,angle_rad,\n0,2.5,\n1,-3e-1,,\n",
         "t_s;angle_rad\n0;2,5\n1;-3e-1\n",
+        "% MATLAB\nt_s,angle_rad\n0,2.5\n1,-3e-1\n",
+        "Recorded by rig 7, on Monday\n\"Rate: 1000 Hz\"\n\nt_s;angle_rad\n0;2,5\n1;-3e-1\n",
         "# drawn; by hand\nT_S\tAngle_rad\n0\t2,5\n1\t-0.3\n",
     ] {
         assert_eq!(read(text, OtherColumns::Refused).unwrap(), expected, "{text:?}");
@@ -47,6 +49,7 @@ fn a_wrong_table_is_reported_with_its_line() {
         ("t_s;angle_rad\n0;2.000,5\n", "line 2: `2.000,5` in the column angle_rad is not a number"),
         ("t_s,angle_rad\n0,1\n0,2,5\n", "line 3: it has 3 cells, but the header has 2; write numbers with a point"),
         ("t_s,angle_rad\n0\n", "line 2: it has 1 cells, but the header has 2"),
+        ("// rig 7\nt_s,angle_rad\n0\n", "line 3: it has 1 cells, but the header has 2"),
         ("t_s,angle_rad\n0,\"2,5\"\n", "line 2: `2,5` in the column angle_rad is not a number; write it with a point"),
         ("t_s,angle_rad\n0,\n", "line 2: `` in the column angle_rad is not a number"),
         ("t_s,angle_rad\n0,NaN\n", "line 2: angle_rad is NaN, but it must be a finite number"),

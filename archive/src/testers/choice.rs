@@ -37,6 +37,16 @@ pub enum ChoiceError {
         /// The columns that are there.
         columns: String,
     },
+    /// A column whose name has a unit that is none of the quantity.
+    #[error("the unit in `{name}` is none of {quantity}; give its unit, as in {quantity}={own}")]
+    UnitInName {
+        /// The column.
+        name: String,
+        /// The quantity.
+        quantity: &'static str,
+        /// The instrument's unit of it.
+        own: &'static str,
+    },
     /// A unit that is none of the quantity.
     #[error("`{unit}` is not a unit of {quantity}; known are {known}")]
     Unit {
@@ -80,7 +90,8 @@ impl Assignments {
 }
 
 impl ColumnChoice {
-    /// Columns with their units; a unit that is not given is the instrument's.
+    /// Columns with their units; a unit that is not given is the one in the column's name, as in `Time [ms]`, `torque (Nm)` or `t_ms`, or
+    /// the instrument's.
     ///
     /// # Errors
     /// [`ChoiceError::Incomplete`] without a position and its load, [`ChoiceError::Unit`] for a unit that is none.
@@ -88,7 +99,7 @@ impl ColumnChoice {
         let choice = Self { columns, units };
         let axis = choice.axis().ok_or(ChoiceError::Incomplete)?;
         for quantity in [axis.position(), axis.load(), Quantity::Time] {
-            choice.factor(quantity)?;
+            choice.unit(quantity).map(|unit| factor(quantity, unit)).transpose()?;
         }
         Ok(choice)
     }
@@ -109,8 +120,12 @@ impl ColumnChoice {
         self.units.get(quantity.name())
     }
 
-    fn factor(&self, quantity: Quantity) -> Result<f64, ChoiceError> {
-        self.unit(quantity).map_or(Ok(1.0), |unit| factor(quantity, unit))
+    /// The size of the unit of a quantity in the column called `name`.
+    fn factor(&self, quantity: Quantity, name: &str) -> Result<f64, ChoiceError> {
+        match self.unit(quantity) {
+            Some(unit) => factor(quantity, unit),
+            None => unit_in(name, quantity),
+        }
     }
 
     /// Where the chosen columns lie under that header; a column without a name is chosen by its number, from 1.
@@ -127,7 +142,9 @@ impl ColumnChoice {
         };
         let source = |quantity: Quantity| {
             let Some(name) = self.column(quantity.name()) else { return Ok(None) };
-            Ok(Some(Source { column: place(name)?, factor: self.factor(quantity)? }))
+            let column = place(name)?;
+            let name = header.get(column).map_or("", String::as_str);
+            Ok(Some(Source { column, factor: self.factor(quantity, name)? }))
         };
         let required = |quantity| source(quantity)?.ok_or(ChoiceError::Incomplete);
         Ok(Layout {
@@ -138,6 +155,21 @@ impl ColumnChoice {
             contact: self.column("contact").map(place).transpose()?.map(Contact::Voltage),
         })
     }
+}
+
+/// The size of the unit in a column's name; one where there is none.
+///
+/// # Errors
+/// [`ChoiceError::UnitInName`] for one in square brackets that is none of the quantity: nothing else stands there.
+fn unit_in(name: &str, quantity: Quantity) -> Result<f64, ChoiceError> {
+    let name = name.trim();
+    if let Some((_, unit)) = name.strip_suffix(']').and_then(|name| name.rsplit_once('[')) {
+        let unknown =
+            || ChoiceError::UnitInName { name: name.to_owned(), quantity: quantity.name(), own: quantity.unit() };
+        return quantity.factor(unit.trim()).ok_or_else(unknown);
+    }
+    let end = name.strip_suffix(')').unwrap_or(name).rsplit_once(['(', '_', ' ', '/', ',']);
+    Ok(end.and_then(|(_, unit)| quantity.factor(unit.trim())).unwrap_or(1.0))
 }
 
 /// The size of a unit in the instrument's.

@@ -4,7 +4,7 @@ use dynamics::effects;
 
 use super::capture::Capture;
 use super::capture::encoder_zero::EncoderZero;
-use super::search::Found;
+use super::search::found::Found;
 
 /// What is said where the held-out capture shows detents that the training capture does not.
 pub(crate) const BEYOND: &str = "the detents are unequal: where the held-out capture goes beyond the angles of the training capture it is \
@@ -44,7 +44,7 @@ impl Comparison {
             }
         }
         let unequal = Self { are_unequal: true, ..after };
-        let are_unequal = found.added.contains(&effects::unequal_detents::KIND.name);
+        let are_unequal = found.step_of(effects::unequal_detents::KIND.name).is_some();
         if are_unequal && unequal.within(train, given).is_some() { unequal } else { after }
     }
 }

@@ -8,8 +8,9 @@ use super::comparison::{BEYOND, Comparison};
 use super::error::DiagnosisError;
 use super::findings::{Diagnosis, Verdict};
 use super::model_fit::undetermined::Undetermined;
+use super::search::Search;
 use super::search::acceptance::explains_the_gap;
-use super::search::{Found, Search};
+use super::search::found::Found;
 use super::verdict::commanded::CommandedTorque;
 use crate::quasi_static::Map;
 use crate::{FitError, Samples};
@@ -138,7 +139,7 @@ pub fn diagnose(
             comparison = changed;
             changed_compared = compared_in(comparison);
             found = found.judged_by(train_capture, &changed_compared);
-            if !explains_the_gap(found.named(), &found.chain[0]) {
+            if !explains_the_gap(found.named(), &found.base) {
                 continue;
             }
             search.heldout = &changed_compared;

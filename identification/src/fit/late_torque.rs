@@ -36,7 +36,8 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix
     let (beside, least) = match &trimmed.delay {
         Some(delay) => {
             let omitted = Omitted { column: delay.column.clone(), is_beyond_friction: false };
-            let Some(beside) = Beside::of(&omitted, trimmed) else { return shifts };
+            let beside = Beside::of(&omitted, trimmed).filter(|beside| beside.is_separable);
+            let Some(beside) = beside else { return shifts };
             let delayed = |delay_s: f64| row_filter.rows(&advance(torque_mnm, delay_s * rate_hz));
             let (shift, left) = aligned(trimmed, robust, delay_s, Some(&beside), delayed);
             if is_long && squares(&left) < fitted {
@@ -79,7 +80,7 @@ fn aligned(
         match beside {
             Some(Beside { rest, .. }) if steps > 0 => delay_s += dot(rest, &left) / dot(rest, rest),
             _ => {
-                let of_delay = beside.map(|Beside { rest, change }| {
+                let of_delay = beside.map(|Beside { rest, change, .. }| {
                     let variance = LeastSquares::solve(&[&**rest], &left).robust_of_points(&[&**rest], 1)[(0, 0)];
                     variance * change * change.transpose()
                 });

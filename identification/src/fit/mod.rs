@@ -65,7 +65,9 @@ pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError>
     if sorted.is_some() {
         fit.notes.push("the samples were not in the order of time; the fit took them in that order".to_owned());
     }
-    fit.notes.extend(opposite_signs(&in_time, options, &fit));
+    // It explains whatever else is noted.
+    let opposite = opposite_signs(&in_time, options, &fit);
+    fit.notes.splice(0..0, opposite);
     fit.axis = options.axis;
     Ok(fit)
 }

@@ -18,6 +18,8 @@ const FAR_RAD: f64 = 1.0;
 /// Least share of an omitted column's square that the fit's columns must leave: a smaller rest may be noise of the motion, as where a
 /// sinusoidal sweep makes angle and acceleration alike.
 const INSEPARABLE: f64 = 1e-2;
+/// A delay that no capture shows may be as long, in samples: a torque that is held from one sample to the next is late by half of one.
+const UNSEEN_DELAY_SAMPLES: f64 = 0.5;
 /// Share of the residual's sum of squares from which on omitted effects are reported.
 const WORTH_A_NOTE: f64 = 0.25;
 
@@ -36,11 +38,12 @@ pub(super) struct Omitted {
     pub(super) is_beyond_friction: bool,
 }
 
-/// Shifts of the estimates beside each group of effects, beside all of them, and for a spring's rest angle, and a note on the
-/// group that explains most of the residual, if that is much. `robust` is the covariance of the fit.
+/// Shifts of the estimates beside each group of effects, beside all of them, for a spring's rest angle, and for a delay that the capture cannot
+/// show; and a note on the group that explains most of the residual, if that is much. `robust` is the covariance of the fit.
 pub(super) fn shifts(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> (Vec<Shift>, Option<String>) {
     let groups = groups(trimmed);
-    let beside = |group: &Group| group.columns.iter().filter_map(|omitted| Beside::of(omitted, trimmed)).collect();
+    let separable = |omitted: &Omitted| Beside::of(omitted, trimmed).filter(|beside| beside.is_separable);
+    let beside = |group: &Group| group.columns.iter().filter_map(separable).collect();
     let beside: Vec<Vec<Beside>> = groups.iter().map(beside).collect();
     let solution = &trimmed.solution;
     let each: Vec<Option<(Shift, f64)>> =
@@ -58,7 +61,17 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> (Vec<Shift
     if trimmed.curves.is_none() {
         shifts.extend(rest_angle(trimmed, robust).into_iter().flatten());
     }
+    shifts.extend(unseen_delay(trimmed, robust));
     (shifts, note)
+}
+
+/// The shift of the estimates by a delay that the capture cannot show, as where a damper makes torque and velocity alike: channels that are
+/// read one after the other may be as late.
+fn unseen_delay(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<Shift> {
+    let omitted = Omitted { column: trimmed.delay.as_ref()?.column.clone(), is_beyond_friction: false };
+    let beside = Beside::of(&omitted, trimmed).filter(|beside| !beside.is_separable)?;
+    let delay_s = UNSEEN_DELAY_SAMPLES / trimmed.problem.row_filter.rate_hz;
+    Some(Shift { change: delay_s * beside.change, covariance: robust.clone(), is_of_better_model: false })
 }
 
 /// The shifts of the estimates if a spring rests at either end of the travel. Where it rests is not known, and its constant torque looks like
@@ -73,7 +86,8 @@ fn rest_angle(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<[Shift; 2]
         constant.fill(1.0);
     });
     let [angle, constant] = <[Vec<f64>; 2]>::try_from(rows).ok()?;
-    let angle = Beside::of(&Omitted { column: angle.into(), is_beyond_friction: false }, trimmed)?;
+    let angle = Omitted { column: angle.into(), is_beyond_friction: false };
+    let angle = Beside::of(&angle, trimmed).filter(|beside| beside.is_separable)?;
     let slope = LeastSquares::solve(&[&*angle.rest], &solution.residual);
     let with_columns = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &constant)));
     let of_constant = &solution.inverse * with_columns;
@@ -148,10 +162,12 @@ pub(super) struct Beside {
     pub(super) rest: Vec<f64>,
     /// Change of the fit's coefficients for one unit of its own.
     pub(super) change: DVector<f64>,
+    /// Whether the fit's columns leave more than noise of what friction leaves of it.
+    pub(super) is_separable: bool,
 }
 
 impl Beside {
-    /// `None` where the fit's columns explain nearly all that friction leaves of it.
+    /// `None` where friction has no columns.
     pub(super) fn of(omitted: &Omitted, Trimmed { problem, columns, solution, .. }: &Trimmed<'_>) -> Option<Self> {
         let Omitted { column, is_beyond_friction } = omitted;
         let effect = problem.effects.iter().position(|effect| effect.kind().name == friction::KIND.name)?;
@@ -165,14 +181,12 @@ impl Beside {
         let parts = &solution.inverse * &with_columns;
         let rest = residual(columns, column, parts.as_slice());
         let beyond_friction = dot(column, column) - of_friction.dot(&with_friction);
-        if dot(&rest, &rest) <= INSEPARABLE * beyond_friction {
-            return None;
-        }
+        let is_separable = dot(&rest, &rest) > INSEPARABLE * beyond_friction;
         let mut change = -parts;
         if *is_beyond_friction {
             friction.iter().zip(of_friction.iter()).for_each(|(place, part)| change[*place] += part);
         }
-        Some(Self { rest, change })
+        Some(Self { rest, change, is_separable })
     }
 }
 

@@ -38,6 +38,8 @@ const AT_REST: f64 = 8.0;
 /// Standard deviations of the angle's noise that a resting angle may span: a rest on the edge between two steps of the
 /// encoder spans one step, which is 3.5 of them.
 const SPAN: f64 = 6.0;
+/// Times that a rest lasts longer than a turning point seems to.
+const LONGER: f64 = 2.0;
 /// What rounding does to an angle without noise, rad.
 const ROUNDING_RAD: f64 = 1e-9;
 
@@ -72,6 +74,7 @@ impl Stick {
             effects: fitted,
             rate_hz,
         };
+        let tolerance_rad = SPAN * slide.noise_rad + ROUNDING_RAD;
         let mut stick = Self {
             negative_mnm: Readings::default(),
             positive_mnm: Readings::default(),
@@ -82,7 +85,10 @@ impl Stick {
         // Encoder and torque sensor sit on the other side of the torque sensor's spring, and the torque that tells its
         // twist is one delay and one sample blurred: a braked knob loses speed meanwhile.
         let blur_s = (1.0 + uniform.received_torque().1.abs()) / rate_hz;
-        for rest in rests(&angle_rad, slide.noise_rad, &uniform.present, samples(REST_S)) {
+        for rest in rests(&angle_rad, tolerance_rad, &uniform.present, samples(REST_S)) {
+            if !is_longer_than_a_turning_point(&angle_rad, &rest, tolerance_rad, samples(BORDER_S)) {
+                continue;
+            }
             stick.rests += 1;
             if let Some(arrival) = slide.border(&rest, Side::Before, samples(BORDER_S)) {
                 let unsure_rad_s = arrival.acceleration_rad_s2 * blur_s;
@@ -179,9 +185,24 @@ fn times(count: usize) -> String {
     }
 }
 
-/// Stretches of at least `shortest` samples in which every window of that length spans no more than noise does.
-fn rests(angle_rad: &[f64], noise_rad: f64, measured: &[bool], shortest: usize) -> Vec<Range<usize>> {
-    let tolerance_rad = SPAN * noise_rad + ROUNDING_RAD;
+/// Whether a rest lasts longer than a knob that merely turns round would stay within the tolerance: on the parabolas by which it comes and goes
+/// within `window` samples. `false` next to the ends of the capture.
+fn is_longer_than_a_turning_point(angle_rad: &[f64], rest: &Range<usize>, tolerance_rad: f64, window: usize) -> bool {
+    let outside = [rest.start.checked_sub(window), Some(rest.end - 1 + window)];
+    let inside = [rest.start, rest.end - 1];
+    let turning: Option<f64> = outside
+        .iter()
+        .zip(inside)
+        .map(|(outside, inside)| {
+            let moved_rad = (angle_rad.get((*outside)?)? - angle_rad[inside]).abs();
+            Some(window as f64 * (tolerance_rad / moved_rad).sqrt())
+        })
+        .sum();
+    turning.is_some_and(|turning| rest.len() as f64 > LONGER * turning)
+}
+
+/// Stretches of at least `shortest` samples in which every window of that length spans no more than the tolerance.
+fn rests(angle_rad: &[f64], tolerance_rad: f64, measured: &[bool], shortest: usize) -> Vec<Range<usize>> {
     let mut rests: Vec<Range<usize>> = Vec::new();
     let mut open = false;
     for (first, window) in angle_rad.windows(shortest.max(1)).enumerate() {
@@ -276,7 +297,7 @@ mod tests {
                 _ => moving(240) - 1e-4 * (moving(n) * 1e3 - 350.0).powi(2),
             })
             .collect();
-        let found = rests(&angle, 1e-5, &vec![true; angle.len()], 20);
+        let found = rests(&angle, 6e-5, &vec![true; angle.len()], 20);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(found[0].start.abs_diff(100) <= 1 && found[0].end.abs_diff(160) <= 1, "{found:?}");
     }

@@ -11,6 +11,10 @@ use dynamics::{Direction, Effect, Motion, Part};
 
 use crate::uncertainty::statistics;
 
+/// How far into a rest its end is looked for, in windows.
+const DEEPEST: usize = 4;
+/// Instants that are tried in a window at least.
+const TRIED: usize = 12;
 /// Rounds of golden section that narrow the instant from two samples to about a thousandth of one.
 const ROUNDS: u32 = 16;
 /// 1 − 1/φ.
@@ -62,10 +66,12 @@ pub(super) enum Side {
 impl Slide<'_> {
     /// The border near one end of a rest; `None` where the knob creeps, is stopped by something else, or the capture ends.
     ///
-    /// `window` samples on either side of that end are looked at.
+    /// `window` samples beyond that end are looked at, and as many within the rest as it takes a slow ramp to move the knob by more than noise.
     pub(super) fn border(&self, rest: &Range<usize>, side: Side, window: usize) -> Option<Border> {
         let end = if side == Side::After { rest.end.checked_sub(1)? } else { rest.start };
-        let (first, last) = (end.checked_sub(window)?, end + window);
+        let within = rest.len().clamp(window, DEEPEST * window);
+        let (before, after) = if side == Side::After { (within, window) } else { (window, within) };
+        let (first, last) = (end.checked_sub(before)?, end + after);
         if last + 1 >= self.angle_rad.len() {
             return None;
         }
@@ -76,12 +82,13 @@ impl Slide<'_> {
         }
         let direction = Direction::of(if side == Side::After { moved_rad } else { -moved_rad });
         let trial = |instant: f64| self.trial(instant, first..last + 1, side, direction);
-        // The knob may have left its rest some samples before that shows above the noise.
-        let best = (first + window / 4..=last - window / 4)
+        let tried: Vec<(usize, f64)> = (first + window / 4..=last - window / 4)
+            .step_by((window / TRIED).max(1))
             .map(|index| (index, trial(index as f64).0))
-            .min_by(|a, b| a.1.total_cmp(&b.1))?
-            .0;
-        let (mut low, mut high) = (best as f64 - 1.0, best as f64 + 1.0);
+            .collect();
+        let best = (0..tried.len()).min_by(|a, b| tried[*a].1.total_cmp(&tried[*b].1))?;
+        // At an end of what was tried the instant lies beyond it.
+        let (mut low, mut high) = (tried.get(best.checked_sub(1)?)?.0 as f64, tried.get(best + 1)?.0 as f64);
         for _ in 0..ROUNDS {
             let (left, right) = (low + GOLDEN * (high - low), high - GOLDEN * (high - low));
             if trial(left).0 <= trial(right).0 {

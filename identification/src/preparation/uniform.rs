@@ -6,6 +6,7 @@ use super::outliers::without_outliers;
 use super::sampling::own_readings;
 use super::saturation::{Saturation, frozen, frozen_note};
 use super::spectrum::Spectrum;
+use super::wrapped::unwrapped;
 use crate::numerics::interpolation::{advance, cubic_weights};
 use crate::numerics::lag::lagged;
 use crate::samples::{PickedSamples, Samples};
@@ -46,13 +47,15 @@ pub(crate) struct Uniform {
 impl Uniform {
     /// Places checked samples on a grid of their median period.
     pub(crate) fn of(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Self {
+        let (whole, wraps) = unwrapped(samples.angle_rad).unzip();
+        let samples = &Samples { angle_rad: whole.as_deref().unwrap_or(samples.angle_rad), ..*samples };
         let (readings, note) = own_readings(samples).unzip();
         let samples = &readings.as_ref().map_or(*samples, PickedSamples::samples);
         let (cleaned, outliers) = without_outliers(samples.torque_mnm).unzip();
         let samples = &Samples { torque_mnm: cleaned.as_deref().unwrap_or(samples.torque_mnm), ..*samples };
         let mut uniform = Self::on_grid(samples);
         uniform.leave_out_faults(samples, calibration);
-        uniform.notes.extend(note.into_iter().chain(outliers));
+        uniform.notes.extend(wraps.into_iter().chain(note).chain(outliers));
         // Before any interpolation, which would take off the upper end.
         let rate_hz = uniform.rate_hz;
         uniform.torque_density = Spectrum::welch(&uniform.torque_mnm, rate_hz).median(0.35 * rate_hz, 0.5 * rate_hz);

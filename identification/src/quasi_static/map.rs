@@ -29,6 +29,7 @@ pub(crate) struct Map {
     /// Direction of each row, +1 or −1.
     pub(super) directions: Vec<i8>,
     saturation: Saturation,
+    is_curve: bool,
 }
 
 impl Map {
@@ -52,7 +53,7 @@ impl Map {
         let rate_hz = (index.len() - 1) as f64 / (time_s[index.len() - 1] - time_s[0]);
         let columns = [time_s, angle_rad, velocity_rad_s, vec![0.0; index.len()]];
         let motion = KnobMotion::as_given(columns, 0.5 * rate_hz);
-        Some(Self { motion, torque_mnm: taken(samples.torque_mnm), directions, saturation })
+        Some(Self { motion, torque_mnm: taken(samples.torque_mnm), directions, saturation, is_curve })
     }
 
     /// The frictions of the directions that have enough rows.
@@ -68,9 +69,23 @@ impl Map {
         self.directions.iter().map(|d| if *d == direction { f64::from(*d) } else { 0.0 }).collect()
     }
 
+    /// Why neither inertia nor viscous friction can be estimated.
+    pub(super) fn without_speed(&self) -> &'static str {
+        if self.is_curve {
+            "without time there is neither speed nor acceleration; choose the table's column of time, if it has one"
+        } else {
+            "the knob turned too slowly: its speed and acceleration do not stand out of the sensors' noise; sweep faster"
+        }
+    }
+
     pub(super) fn notes(&self) -> Vec<String> {
+        let why = if self.is_curve {
+            "the table has no time, or its column was not chosen"
+        } else {
+            "the knob turned too slowly for its speed to be measured"
+        };
         let mut notes = vec![format!(
-            "the knob turned too slowly for its speed to be measured: torque against angle and direction was fitted, from {} passes",
+            "{why}: torque against angle and direction was fitted, from {} passes",
             self.directions.chunk_by(|one, other| one == other).count()
         )];
         notes.extend(self.saturation.note("torque", "mNm"));

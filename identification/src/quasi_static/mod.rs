@@ -84,7 +84,7 @@ impl Fitted {
         notes: Vec<String>,
     ) -> Fit {
         Fit {
-            parameters: self.parameters(frictions, no_detents),
+            parameters: self.parameters(map, frictions, no_detents),
             mean_ci95_textbook_mnm: NORMAL_95 * mean(prediction_sd(&self.sums.columns, &self.estimate.textbook)),
             samples: samples.t_s.len(),
             detent_harmonics: self.harmonics.clone(),
@@ -103,10 +103,8 @@ impl Fitted {
         )
     }
 
-    fn parameters(&self, frictions: &[Friction], no_detents: &str) -> Parameters {
-        let slow = "the knob turned too slowly: its speed and acceleration do not stand out of the sensors' noise; \
-                    sweep faster"
-            .to_owned();
+    fn parameters(&self, map: &Map, frictions: &[Friction], no_detents: &str) -> Parameters {
+        let without_speed = map.without_speed().to_owned();
         let Estimate { coefficients, covariance, textbook } = &self.estimate;
         let mut parameters = Vec::new();
         for kind in effects::inertia::KIND.parameters.iter().chain(effects::friction::KIND.parameters) {
@@ -130,7 +128,7 @@ impl Fitted {
                     kind,
                     format!("the knob never turned in the {direction} direction for long enough; sweep both ways"),
                 ),
-                None => Parameter::not_identifiable(kind, slow.clone()),
+                None => Parameter::not_identifiable(kind, without_speed.clone()),
             });
         }
         let detent = [0, 1, 2].map(|index| &effects::detent::KIND.parameters[index]);
@@ -144,7 +142,7 @@ impl Fitted {
         } else {
             parameters.extend(detent.map(|kind| Parameter::not_identifiable(kind, no_detents.to_owned())));
         }
-        let unknown = |kind: &ParameterKind| Parameter::not_identifiable(kind, slow.clone());
+        let unknown = |kind: &ParameterKind| Parameter::not_identifiable(kind, without_speed.clone());
         parameters.extend(effects::karnopp_stick::KIND.parameters.iter().map(unknown));
         Parameters(parameters)
     }

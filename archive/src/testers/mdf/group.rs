@@ -115,12 +115,6 @@ impl<'f> Group<'f> {
     }
 }
 
-/// The size of a unit in the instrument's, however its product is written: Nm, N m, N·m or N*m.
-pub(super) fn factor(quantity: Quantity, unit: &str) -> Option<f64> {
-    let plain: String = unit.chars().filter(|letter| !matches!(letter, ' ' | '·' | '⋅' | '*')).collect();
-    quantity.factor(&plain)
-}
-
 /// What the instrument calls its own column of a quantity.
 pub(super) fn own_name(quantity: Quantity) -> &'static str {
     match quantity {

@@ -98,7 +98,7 @@ fn factor(place: Place<'_>, quantity: Quantity, chosen: Option<&ColumnChoice>) -
     }
     let name = &place.channel.name;
     let unit = chosen.and_then(|chosen| chosen.unit(quantity)).unwrap_or(&place.channel.unit);
-    match group::factor(quantity, unit) {
+    match quantity.factor(unit) {
         Some(factor) => Ok(factor),
         // A master's time is in seconds by the standard.
         None if quantity == Quantity::Time && place.channel.is_time_channel() => Ok(1.0),

@@ -49,11 +49,8 @@ impl<'f> Picked<'f> {
                     name.eq_ignore_ascii_case(quantity.name()) || name.eq_ignore_ascii_case(group::own_name(quantity))
                 };
                 let by_name = places(groups, |_, channel| is_called(channel.name.trim()));
-                let by_unit = || {
-                    places(groups, |_, channel| {
-                        !channel.is_master() && group::factor(quantity, &channel.unit).is_some()
-                    })
-                };
+                let by_unit =
+                    || places(groups, |_, channel| !channel.is_master() && quantity.factor(&channel.unit).is_some());
                 Some(if by_name.is_empty() { by_unit() } else { by_name })
             });
             if found.iter().flatten().any(Vec::is_empty) {

@@ -2,6 +2,7 @@
 
 pub(crate) mod acceptance;
 pub(crate) mod characteristic;
+pub(crate) mod found;
 pub(crate) mod hypotheses;
 pub(crate) mod judged;
 pub(crate) mod null_test;
@@ -9,17 +10,18 @@ pub(crate) mod pairs;
 pub(crate) mod revision;
 pub(crate) mod trials;
 
-use dynamics::{Effect, EffectKind, Part, effects};
+use dynamics::{Effect, Part, effects};
 use rayon::prelude::*;
 
 use self::acceptance::{
     EVIDENCE, FALSE_DISCOVERIES, LEFT, TIE, explains_most_of_the_gap, explains_nearly_all, explains_surely,
     explains_the_gap, gap_and_closed, takes_its_part, worthwhile,
 };
+use self::found::{Added, Found};
 use self::judged::Judged;
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::error::DiagnosisError;
-use crate::diagnosis::findings::{Characteristic, Partial};
+use crate::diagnosis::findings::Partial;
 use crate::diagnosis::model_fit::nonlinear::Nonlinear;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::twist;
@@ -53,78 +55,6 @@ pub(crate) struct Search<'a> {
     pub(crate) detents_are_equal: bool,
     /// Share of what is left above the floor that an effect's best start must take off to be refined.
     pub(crate) promising: f64,
-}
-
-/// Everything that was found on the way.
-#[derive(Clone, Default)]
-pub(crate) struct Found {
-    /// The model without further effects, and then with each more.
-    pub(crate) chain: Vec<Judged>,
-    /// The effects that were added.
-    pub(crate) added: Vec<&'static str>,
-    /// The rivals of each.
-    pub(crate) rivals: Vec<Vec<Judged>>,
-    /// Share of false discoveries, by what each predicts of the held-out capture, among all that were tried with it.
-    pub(crate) false_discovery_rates: Vec<f64>,
-    /// Whether one was added that is a part of the gap only: then something is left that has no name.
-    pub(crate) in_part: bool,
-    /// What explained part of the rest and was not added.
-    pub(crate) partial: Vec<Partial>,
-    /// What has no name and was added as measured.
-    pub(crate) characteristics: Vec<(Judged, Characteristic)>,
-}
-
-impl From<Judged> for Found {
-    /// Nothing beside a base model.
-    fn from(base: Judged) -> Self {
-        Self { chain: vec![base], ..Self::default() }
-    }
-}
-
-impl Found {
-    /// The same before the effect of a step was added.
-    fn before(&self, step: usize) -> Self {
-        Self {
-            chain: self.chain[..=step].to_vec(),
-            added: self.added[..step].to_vec(),
-            rivals: self.rivals[..step].to_vec(),
-            false_discovery_rates: self.false_discovery_rates[..step].to_vec(),
-            ..Self::default()
-        }
-    }
-
-    /// The same judged by another held-out capture.
-    pub(crate) fn judged_by(&self, train: &Capture, heldout: &Capture) -> Self {
-        let anew = |judged: &Judged| judged.judged_by(train, heldout);
-        let mut found = Self {
-            chain: self.chain.par_iter().map(anew).collect(),
-            rivals: self.rivals.iter().map(|rivals| rivals.par_iter().map(anew).collect()).collect(),
-            ..self.clone()
-        };
-        let steps = found.chain.windows(2).zip(&found.rivals);
-        found.false_discovery_rates =
-            steps.map(|(pair, rivals)| false_discovery_rate_of(&pair[1], rivals, &pair[0])).collect();
-        found
-    }
-
-    /// The final model.
-    pub(crate) fn last(&self) -> &Judged {
-        self.characteristics.last().map_or(self.named(), |(judged, _)| judged)
-    }
-
-    /// The model with all effects that have a name.
-    pub(crate) fn named(&self) -> &Judged {
-        self.chain.last().unwrap_or(&self.chain[0])
-    }
-
-    /// Whether an effect brought nothing beside a smaller model, which need not be tried again at the cost of a coupling.
-    pub(crate) fn has_failed(&self, kind: &EffectKind) -> bool {
-        let last = self.chain.len().checked_sub(2).zip(self.rivals.last());
-        last.is_some_and(|(before, rivals)| {
-            let failed = |rival: &&Judged| !takes_its_part(&self.chain[before], rival);
-            rivals.iter().filter(failed).any(|rival| rival.newest() == kind.name)
-        })
-    }
 }
 
 impl<'a> Search<'a> {
@@ -211,9 +141,7 @@ impl<'a> Search<'a> {
         if let Some(other) = self.begun_again(&found) {
             found = other;
         }
-        let Some(step) = found.added.iter().position(|added| *added == effects::unequal_detents::KIND.name) else {
-            return found;
-        };
+        let Some(step) = found.step_of(effects::unequal_detents::KIND.name) else { return found };
         // With two values for each detent they imitate a few other effects together.
         let mut equal = found.before(step);
         Search { detents_are_equal: true, ..*self }.extend_and_revise(&mut equal);
@@ -226,7 +154,7 @@ impl<'a> Search<'a> {
                 .map_or_else(|| judged.clone(), |other| self.settled(other))
         };
         if is_open && asymmetric(found.named()).evidence > found.named().evidence {
-            found.chain = found.chain.par_iter().map(asymmetric).collect();
+            found.each_model(asymmetric);
         }
         found
     }
@@ -238,21 +166,23 @@ impl<'a> Search<'a> {
             return found;
         }
         let without_skew = |judged: &Judged| self.settled(judged.structure.without_skew());
-        let mut other = Found { chain: found.chain.par_iter().map(without_skew).collect(), ..found.clone() };
+        let mut other = found.clone();
+        other.each_model(without_skew);
         self.extend_and_revise(&mut other);
         // A delay costs as much freedom as any value; a skew costs none.
-        let has_delay = other.added.contains(&effects::sensor_delay::KIND.name);
+        let has_delay = other.step_of(effects::sensor_delay::KIND.name).is_some();
         if has_delay && other.named().evidence > found.named().evidence - EVIDENCE { other } else { found }
     }
 
     /// What is found from another first effect, where the best one led to a model that leaves much: it may have imitated two others. `None` if that
     /// is no better.
     fn begun_again(&self, found: &Found) -> Option<Found> {
-        let (base, last) = (&found.chain[0], found.named());
+        let (base, last) = (&found.base, found.named());
         let is_open = last.most_over_floor() > LEFT;
-        if !is_open || found.added.len() < 2 || found.in_part || explains_most_of_the_gap(last, base) {
+        if !is_open || found.steps.len() < 2 || found.in_part() || explains_most_of_the_gap(last, base) {
             return None;
         }
+        let Added { judged, rivals, .. } = &found.steps[0];
         let search = Search { detents_are_equal: true, ..*self };
         let bare = found.before(0);
         let is_first = |judged: &&Judged| {
@@ -260,11 +190,11 @@ impl<'a> Search<'a> {
                 && !judged.structure.is_coupled()
                 && self.is_worth_a_name(base, judged, &bare)
         };
-        let firsts: Vec<&Judged> = found.rivals[0].iter().filter(is_first).take(OTHER_STARTS).collect();
+        let firsts: Vec<&Judged> = rivals.iter().filter(is_first).take(OTHER_STARTS).collect();
         let others = firsts.into_iter().map(|first| {
             let mut other = bare.clone();
-            let rivals = found.rivals[0].iter().chain([&found.chain[1]]).cloned().collect();
-            search.add_or_take_for_detents(&mut other, first.clone(), rivals);
+            let rivals = rivals.iter().chain([judged]).cloned().collect();
+            search.add_or_take_for_detents(&mut other, first.clone(), rivals, false);
             search.extend_and_revise(&mut other);
             other
         });
@@ -282,9 +212,9 @@ impl<'a> Search<'a> {
     }
 
     fn extend(&self, found: &mut Found) {
-        while found.rivals.len() < MOST_EFFECTS {
-            let Some(current) = found.chain.last().cloned() else { break };
-            if explains_the_gap(&current, &found.chain[0]) {
+        while found.steps.len() < MOST_EFFECTS {
+            let current = found.named().clone();
+            if explains_the_gap(&current, &found.base) {
                 // Nothing more could be worth a name.
                 break;
             }
@@ -292,16 +222,15 @@ impl<'a> Search<'a> {
             let worthy = tried.iter().position(|rival| self.is_worth_a_name(&current, rival, found));
             if worthy.is_none() {
                 found.partial = self.partial(&current, &tried);
-                if !found.in_part && self.add_pair(found, &current, &tried) {
+                if !found.in_part() && self.add_pair(found, &current, &tried) {
                     continue;
                 }
             }
-            let on_bound = || if found.added.is_empty() { self.explanation_on_bound(&current, &tried) } else { None };
+            let on_bound = || if found.steps.is_empty() { self.explanation_on_bound(&current, &tried) } else { None };
             let best = worthy.or_else(|| self.discovery(&current, &tried)).or_else(on_bound);
             let Some(best) = best else { break };
             let chosen = tried.remove(best);
-            if self.add_or_take_for_detents(found, chosen, tried) {
-                found.in_part |= worthy.is_none();
+            if self.add_or_take_for_detents(found, chosen, tried, worthy.is_none()) {
                 self.simplify(found);
             }
         }
@@ -309,14 +238,13 @@ impl<'a> Search<'a> {
 
     /// Adds an effect, or takes it for the detents if it is the first torque that repeats with the angle, which the model's base lacked; whether
     /// it was added.
-    fn add_or_take_for_detents(&self, found: &mut Found, chosen: Judged, rivals: Vec<Judged>) -> bool {
+    fn add_or_take_for_detents(&self, found: &mut Found, chosen: Judged, rivals: Vec<Judged>, is_part: bool) -> bool {
         let Some(detent) = self.as_detent(&chosen) else {
-            self.add(found, chosen, rivals);
+            self.add(found, chosen, rivals, is_part);
             return true;
         };
-        let place = found.chain[0].structure.effects.len();
-        let with_detents = |judged: &Judged| self.settled(judged.structure.with_at(place, detent, 2));
-        found.chain = found.chain.par_iter().map(with_detents).collect();
+        let place = found.base.structure.effects.len();
+        found.each_model(|judged| self.settled(judged.structure.with_at(place, detent, 2)));
         false
     }
 
@@ -338,7 +266,7 @@ impl<'a> Search<'a> {
     /// Whether the last effect explains enough of what a model without it leaves, and is something.
     pub(crate) fn is_worth_a_name(&self, before: &Judged, after: &Judged, found: &Found) -> bool {
         self.disqualified(after).is_none()
-            && worthwhile(before, after, &found.chain[0], self.heldout)
+            && worthwhile(before, after, &found.base, self.heldout)
             && (!self.is_nothing(after) || explains_surely(before, after))
             && self.is_better_than_other_values(before, after)
     }
@@ -366,7 +294,8 @@ impl<'a> Search<'a> {
             false_discovery_rate(p_values[*index], &p_values) <= FALSE_DISCOVERIES
                 && takes_its_part(current, judged)
                 && self.disqualified(judged).is_none()
-                && judged.heldout_rms_mnm < self.null_test_rms_mnm(judged.newest(), current, judged)
+                && judged.heldout_rms_mnm
+                    < null_test::rms_mnm(judged.newest(), current, &judged.structure, self.train, self.heldout)
                 && !self.is_nothing(judged)
                 && self.is_better_than_other_values(current, judged)
         };
@@ -380,21 +309,12 @@ impl<'a> Search<'a> {
         tried.iter().position(|judged| explains_surely(current, judged) && self.disqualified(judged).is_some())
     }
 
-    /// What mere freedom leaves of the held-out capture, mNm.
-    pub(crate) fn null_test_rms_mnm(&self, effect: &str, before: &Judged, after: &Judged) -> f64 {
-        null_test::rms_mnm(effect, before, &after.structure, self.train, self.heldout)
-    }
-
-    /// Adds an effect; it is no rival of its own.
-    pub(crate) fn add(&self, found: &mut Found, chosen: Judged, mut rivals: Vec<Judged>) {
+    /// Adds an effect, which may explain a part of the gap only.
+    pub(crate) fn add(&self, found: &mut Found, chosen: Judged, rivals: Vec<Judged>, is_part: bool) {
         let effect = chosen.newest();
-        rivals.retain(|rival| rival.newest() != effect);
-        let rate = found.chain.last().map(|before| false_discovery_rate_of(&chosen, &rivals, before));
-        found.false_discovery_rates.extend(rate);
         self.say(Progress::Added { effect, heldout_over_floor: chosen.heldout_over_floor() });
-        found.added.push(effect);
-        found.chain.push(chosen);
-        found.rivals.push(rivals);
+        let added = Added::new(chosen, rivals, found.named(), is_part);
+        found.steps.push(added);
     }
 
     pub(crate) fn say(&self, progress: Progress) {
@@ -417,11 +337,4 @@ impl<'a> Search<'a> {
         });
         each.collect()
     }
-}
-
-/// Share of false discoveries among an effect that was chosen beside a model and its rivals, by what each predicts of the held-out capture.
-fn false_discovery_rate_of(chosen: &Judged, rivals: &[Judged], before: &Judged) -> f64 {
-    let p_value = chosen.heldout_p_value(before);
-    let all: Vec<f64> = rivals.iter().map(|rival| rival.heldout_p_value(before)).chain([p_value]).collect();
-    false_discovery_rate(p_value, &all)
 }

@@ -5,9 +5,10 @@ use rayon::prelude::*;
 
 use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::search::acceptance::{EVIDENCE, LEFT, explains_enough, worthwhile};
+use crate::diagnosis::search::found::Found;
 use crate::diagnosis::search::hypotheses::coupled::{self, Effort};
 use crate::diagnosis::search::judged::Judged;
-use crate::diagnosis::search::{Found, MOST_EFFECTS, Search};
+use crate::diagnosis::search::{MOST_EFFECTS, Search};
 
 /// Effects, the best ones, with which second ones are tried.
 const HIDING: usize = 3;
@@ -15,7 +16,7 @@ const HIDING: usize = 3;
 impl Search<'_> {
     /// Adds two effects at once where neither alone is worth it and much is left: one may hide the other.
     pub(crate) fn add_pair(&self, found: &mut Found, current: &Judged, tried: &[Judged]) -> bool {
-        if current.train_over_floor() < LEFT || found.rivals.len() + 2 > MOST_EFFECTS {
+        if current.train_over_floor() < LEFT || found.steps.len() + 2 > MOST_EFFECTS {
             return false;
         }
         let is_coupled = current.structure.is_coupled();
@@ -34,8 +35,8 @@ impl Search<'_> {
             pair.or_else(|| if may_be_coupled { self.coupled_pair(found, current, &firsts, tried) } else { None });
         let Some((first, second, rivals)) = pair else { return false };
         found.partial.clear();
-        self.add(found, first, tried.to_vec());
-        self.add(found, second, rivals);
+        self.add(found, first, tried.to_vec(), false);
+        self.add(found, second, rivals, false);
         true
     }
 
@@ -50,7 +51,7 @@ impl Search<'_> {
             self.is_worth_a_name(first, second, found)
                 && self
                     .without(second, first.newest(), found)
-                    .is_some_and(|without| worthwhile(&without, second, &found.chain[0], self.heldout))
+                    .is_some_and(|without| worthwhile(&without, second, &found.base, self.heldout))
         })?;
         let second = seconds.remove(place);
         Some((first.clone(), second, seconds))
@@ -70,22 +71,17 @@ impl Search<'_> {
             let shows = |judged: &Judged| judged.newest() == kind.name && judged.evidence > current.evidence + EVIDENCE;
             twist::is_shaft(kind) || tried.iter().any(shows)
         });
-        let mut both = self.coupled_pairs(firsts, &couplings);
-        both.retain(|(_, judged)| self.is_worth_a_name(current, judged, found));
-        both.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
-        let mut both = both.into_iter();
-        let (first, second) = both.next()?;
-        Some((first, second, both.map(|(_, judged)| judged).collect()))
-    }
-
-    /// Each of the first effects together with each coupling.
-    fn coupled_pairs(&self, firsts: &[&Judged], couplings: &[&'static EffectKind]) -> Vec<(Judged, Judged)> {
         let pairs: Vec<(&Judged, &'static EffectKind)> =
             firsts.iter().flat_map(|first| couplings.iter().map(|kind| (*first, *kind))).collect();
         let fitted = pairs.par_iter().filter_map(|(first, kind)| {
             let judged = coupled::fitted(kind, &first.structure, [self.train, self.heldout], Effort::Short)?;
             Some(((*first).clone(), judged))
         });
-        fitted.collect()
+        let mut both: Vec<(Judged, Judged)> = fitted.collect();
+        both.retain(|(_, judged)| self.is_worth_a_name(current, judged, found));
+        both.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
+        let mut both = both.into_iter();
+        let (first, second) = both.next()?;
+        Some((first, second, both.map(|(_, judged)| judged).collect()))
     }
 }

@@ -3,10 +3,11 @@
 use dynamics::effects::{self, cogging};
 use dynamics::{Effect, EffectKind};
 
+use crate::diagnosis::search::Search;
 use crate::diagnosis::search::acceptance::{FALSE_DISCOVERIES, TIE, takes_its_part, worthwhile};
+use crate::diagnosis::search::found::{Added, Found};
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::trials::detent_of;
-use crate::diagnosis::search::{Found, Search};
 
 /// Effects of which the first is the second where the capture does not show its further parameter: a spring far from its centre is an
 /// offset.
@@ -19,7 +20,7 @@ impl Search<'_> {
     /// Puts what an effect contains in its place where that fits or predicts no worse.
     pub(crate) fn simplify(&self, found: &mut Found) {
         for (larger, contained) in CONTAINS {
-            let Some(step) = found.added.iter().position(|added| *added == larger.name) else { continue };
+            let Some(step) = found.step_of(larger.name) else { continue };
             let Some(with_larger) = found.named().clone().with_newest(larger.name) else { continue };
             let Some(without) = self.without(&with_larger, larger.name, found) else { continue };
             if without.structure.position(contained.name).is_some() {
@@ -31,11 +32,10 @@ impl Search<'_> {
                 with_larger.evidence - simple.evidence < TIE || simple.heldout_rms_mnm <= with_larger.heldout_rms_mnm;
             if is_as_good && self.is_worth_a_name(&without, &simple, found) {
                 // Others were tried beside fewer effects.
-                let is_newest = step + 1 == found.added.len();
-                let mut rivals = if is_newest { std::mem::take(&mut found.rivals[step]) } else { Vec::new() };
-                rivals.push(with_larger);
-                self.remove(found, step, without);
-                self.add(found, simple, rivals);
+                let is_newest = step + 1 == found.steps.len();
+                let Added { rivals, is_part, .. } = self.remove(found, step, without);
+                let rivals = if is_newest { rivals } else { Vec::new() }.into_iter().chain([with_larger]);
+                self.add(found, simple, rivals.collect(), is_part);
             }
         }
     }
@@ -45,10 +45,10 @@ impl Search<'_> {
     ///
     /// The first effect is the best one beside a model that lacks all others, which need not be one of those that are missing.
     pub(crate) fn replace_one(&self, found: &mut Found) -> bool {
-        let Some(last) = found.chain.last().cloned() else { return false };
+        let last = found.named().clone();
         // The newest one has just been compared with all others.
-        for step in 0..found.added.len().saturating_sub(1) {
-            let added = found.added[step];
+        for step in 0..found.steps.len().saturating_sub(1) {
+            let added = found.steps[step].effect;
             let Some(without) = self.without(&last, added, found) else { continue };
             if without.evidence > last.evidence && without.heldout_rms_mnm <= last.heldout_rms_mnm {
                 self.remove(found, step, without);
@@ -71,7 +71,7 @@ impl Search<'_> {
             let Some(best) = best.filter(|best| is_better(&tried[*best])) else { continue };
             let chosen = tried.remove(best);
             self.remove(found, step, without);
-            self.add(found, chosen, tried);
+            self.add(found, chosen, tried, false);
             return true;
         }
         false
@@ -81,7 +81,7 @@ impl Search<'_> {
     pub(crate) fn find_detents_again(&self, found: &mut Found) -> bool {
         let last = found.named();
         let positions = [cogging::KIND.name, effects::detent::KIND.name].map(|name| last.structure.position(name));
-        let step = found.added.iter().position(|added| *added == cogging::KIND.name);
+        let step = found.step_of(cogging::KIND.name);
         let ([Some(index), Some(_)], Some(step)) = (positions, step) else { return false };
         let lines = cogging::lines(last.structure.effects[index].values());
         let fitted = lines.map(|line| {
@@ -93,23 +93,23 @@ impl Search<'_> {
         let Some(best) = best.filter(|best| best.evidence > last.evidence) else { return false };
         let detent = best.structure.position(effects::detent::KIND.name).map(|index| best.structure.effects[index]);
         self.remove(found, step, best);
-        for judged in &mut found.chain {
+        found.each_model(|judged| {
             let mut structure = judged.structure.clone();
             detent.into_iter().for_each(|detent| structure.put_detent(detent));
-            *judged = self.settled(structure);
-        }
+            self.settled(structure)
+        });
         true
     }
 
     /// Takes out again what other effects have made superfluous.
     pub(crate) fn eliminate(&self, found: &mut Found) {
         let mut step = 0;
-        while step < found.added.len() && found.added.len() > 1 {
-            let Some(last) = found.chain.last() else { return };
-            let Some(without) = self.without(last, found.added[step], found) else { return };
+        while step < found.steps.len() && found.steps.len() > 1 {
+            let last = found.named();
+            let Some(without) = self.without(last, found.steps[step].effect, found) else { return };
             let is_discovery = takes_its_part(&without, last) && last.heldout_p_value(&without) < FALSE_DISCOVERIES;
-            let is_needed = worthwhile(&without, last, &found.chain[0], self.heldout) || found.in_part && is_discovery;
-            let predicts = without.is_finite() && without.heldout_rms_mnm < found.chain[0].heldout_rms_mnm;
+            let is_needed = worthwhile(&without, last, &found.base, self.heldout) || found.in_part() && is_discovery;
+            let predicts = without.is_finite() && without.heldout_rms_mnm < found.base.heldout_rms_mnm;
             if is_needed || !predicts {
                 step += 1;
                 continue;
@@ -123,25 +123,25 @@ impl Search<'_> {
     pub(crate) fn without(&self, judged: &Judged, effect: &str, found: &Found) -> Option<Judged> {
         let mut structure = judged.structure.without(judged.structure.position(effect)?);
         if effect == effects::unequal_detents::KIND.name {
-            let base = &found.chain[0].structure;
+            let base = &found.base.structure;
             let index = base.position(effects::detent::KIND.name)?;
             structure = structure.with_at(index, base.effects[index], base.columns[index]);
         }
         Some(self.settled(structure))
     }
 
-    /// Makes the chain anew without the effect that was added in a step, with `without` as its last model.
-    fn remove(&self, found: &mut Found, step: usize, without: Judged) {
-        let removed = found.added.remove(step);
-        found.chain.remove(step + 1);
-        found.rivals.remove(step);
-        found.false_discovery_rates.remove(step);
-        found.chain.pop();
-        for index in step + 1..found.chain.len() {
-            if let Some(without) = self.without(&found.chain[index], removed, found) {
-                found.chain[index] = without;
+    /// Takes out the effect that was added in a step, with `without` as the last model, and makes the models before anew.
+    fn remove(&self, found: &mut Found, step: usize, without: Judged) -> Added {
+        let removed = found.steps.remove(step);
+        for later in step..found.steps.len().saturating_sub(1) {
+            if let Some(without) = self.without(&found.steps[later].judged, removed.effect, found) {
+                found.steps[later].judged = without;
             }
         }
-        found.chain.push(without);
+        match found.steps.last_mut() {
+            Some(last) => last.judged = without,
+            None => found.base = without,
+        }
+        removed
     }
 }

@@ -14,13 +14,14 @@ use crate::diagnosis::model_fit::separable::{BEND, Separable};
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::model_fit::unequal;
+use crate::diagnosis::search::Search;
 use crate::diagnosis::search::acceptance::{
     CLOSED, EVIDENCE, explains_enough, explains_most_of_the_gap, is_near_the_floor,
 };
+use crate::diagnosis::search::found::Found;
 use crate::diagnosis::search::hypotheses::coupled::{self, Effort};
 use crate::diagnosis::search::hypotheses::{candidates, separable};
 use crate::diagnosis::search::judged::Judged;
-use crate::diagnosis::search::{Found, Search};
 use crate::diagnosis::workflow::Progress;
 use crate::numerics::vector::dot;
 
@@ -125,9 +126,8 @@ impl Search<'_> {
         let is_closed = |judged: &Judged| judged.most_over_floor() <= CLOSED;
         let qualifies = |judged: &Judged| self.disqualified(judged).is_none();
         let explains_all = |judged: &Judged| is_closed(judged) && qualifies(judged);
-        let explains_most = |judged: &Judged| {
-            (is_closed(judged) || explains_most_of_the_gap(judged, &found.chain[0])) && qualifies(judged)
-        };
+        let explains_most =
+            |judged: &Judged| (is_closed(judged) || explains_most_of_the_gap(judged, &found.base)) && qualifies(judged);
         if !is_faint && (is_closed(current) || tried.iter().any(explains_all)) {
             return;
         }

@@ -18,8 +18,9 @@ use crate::diagnosis::model_fit::unequal;
 use crate::diagnosis::search::acceptance::{
     LEFT, LOWER_FLOOR, MOSTLY_EXPLAINED, MOSTLY_NOISE, TIE, UNEXPLAINED, is_near_the_floor, takes_its_part, worthwhile,
 };
+use crate::diagnosis::search::found::{Added, Found};
 use crate::diagnosis::search::judged::Judged;
-use crate::diagnosis::search::{Found, Search};
+use crate::diagnosis::search::{Search, null_test};
 use crate::fit::report::one_sided_friction;
 use crate::numerics::vector::dot;
 use crate::uncertainty::statistics::rank_correlation;
@@ -99,25 +100,25 @@ fn note_on_the_rest(first: &Judged, last: &Judged) -> Option<String> {
 impl Search<'_> {
     /// The effects that were added with a value that may lie beyond what the capture shows, and why: each may be another effect.
     fn on_bounds(&self, found: &Found) -> Vec<(&'static str, String)> {
-        found.chain[1..].iter().filter_map(|judged| Some((judged.newest(), self.disqualified(judged)?))).collect()
+        found.steps.iter().filter_map(|added| Some((added.effect, self.disqualified(&added.judged)?))).collect()
     }
 
     /// Whether something is missing, and whether all of it has a name.
     pub(crate) fn verdict(&self, found: &Found) -> Verdict {
-        let (first, last) = (&found.chain[0], found.named());
+        let (first, last) = (&found.base, found.named());
         // Where nothing was found, one capture that is not explained is enough to say that something is left; where
         // something was, either may contain what the other was too short to teach.
         let each = [last.heldout_over_floor(), last.train_over_floor()];
-        let left = if found.added.is_empty() { each[0].max(each[1]) } else { each[0].min(each[1]) };
+        let left = if found.steps.is_empty() { each[0].max(each[1]) } else { each[0].min(each[1]) };
         let unexplained = (last.excess().max(0.0) / first.excess_above_lower_floor(last).max(f64::MIN_POSITIVE)).sqrt();
         let locations = locate(&last.train_residual, &last.structure, self.train);
         // Noise may be larger in motion than the sensors' own, but then it goes with nothing.
         let shaped = locations.iter().any(|location| location.significant);
         let is_left = unexplained > MOSTLY_EXPLAINED
             && (left > LEFT && (shaped || left > CERTAINLY_LEFT) || last.heldout_over_floor() > MOSTLY_NOISE);
-        if is_left || !self.on_bounds(found).is_empty() || found.in_part && unexplained > UNEXPLAINED {
+        if is_left || !self.on_bounds(found).is_empty() || found.in_part() && unexplained > UNEXPLAINED {
             Verdict::OutsideLibrary
-        } else if found.rivals.is_empty() {
+        } else if found.steps.is_empty() {
             Verdict::None
         } else {
             Verdict::Effects
@@ -125,23 +126,15 @@ impl Search<'_> {
     }
 
     pub(crate) fn report(&self, found: &Found, verdict: Verdict, heldout_is_own: bool) -> Diagnosis {
-        let (first, last) = (&found.chain[0], found.last());
+        let (first, last) = (&found.base, found.last());
         let values = self.values(&last.structure);
-        let steps: Vec<Step> = found
-            .rivals
-            .iter()
-            .enumerate()
-            .map(|(index, rivals)| {
-                let pair = [&found.chain[index], &found.chain[index + 1]];
-                let rate = found.false_discovery_rates[index];
-                self.step((found.added[index], rate), pair, rivals, last, &values)
-            })
-            .collect();
+        let step = |(added, before): (&Added, &Judged)| self.step(added, before, last, &values);
+        let steps: Vec<Step> = found.steps.iter().zip(found.models()).map(step).collect();
         let effects = self.strongest_first(&last.structure, &steps);
         let mut partial = found.partial.clone();
         partial.retain(|partial| !effects.contains(&partial.effect));
         let next_experiment =
-            steps.iter().zip(&found.rivals).zip(&found.chain[1..]).find_map(|((step, rivals), chosen)| {
+            steps.iter().zip(&found.steps).find_map(|(step, Added { judged: chosen, rivals, .. })| {
                 let tied = rivals.iter().find(|rival| !self.train.is_map && step.ties.contains(&rival.newest()))?;
                 experiment::next(
                     [step.effect, tied.newest()],
@@ -180,7 +173,7 @@ impl Search<'_> {
                 .model
                 .as_ref()
                 .map_or_else(Default::default, |_| self.values(&first.structure).into_iter().flatten().collect()),
-            chain: found.chain.iter().map(|judged| judged.structure.model()).collect(),
+            chain: found.models().map(|judged| judged.structure.model()).collect(),
             rows: rows::of(first, last, [self.train, self.heldout]),
         };
         diagnosis.summary = diagnosis.in_one_sentence();
@@ -265,12 +258,12 @@ impl Search<'_> {
 
     fn step(
         &self,
-        (effect, false_discovery_rate): (&'static str, f64),
-        [before, after]: [&Judged; 2],
-        rivals: &[Judged],
+        Added { effect, judged: after, rivals, false_discovery_rate, .. }: &Added,
+        before: &Judged,
         last: &Judged,
         values: &[BTreeMap<&'static str, Value>],
     ) -> Step {
+        let (effect, false_discovery_rate) = (*effect, *false_discovery_rate);
         let best = rivals.iter().map(|rival| rival.evidence).fold(after.evidence, f64::max);
         let total: f64 = rivals.iter().chain([after]).map(|rival| (rival.evidence - best).exp()).sum();
         let rival = |judged: &Judged| Rival {
@@ -307,7 +300,7 @@ impl Search<'_> {
             evidence: after.evidence - before.evidence,
             steadiness: after.steadily_better_than(before),
             false_discovery_rate,
-            placebo_rms: self.null_test_rms_mnm(effect, before, after),
+            placebo_rms: null_test::rms_mnm(effect, before, &after.structure, self.train, self.heldout),
             ties,
             rivals: rivals.iter().map(rival).collect(),
         }

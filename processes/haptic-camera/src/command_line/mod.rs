@@ -171,7 +171,7 @@ pub struct ColumnOptions {
     /// contact=NAME (a voltage that falls); a column also by its number from 1, a channel as GROUP/NAME
     #[arg(long, value_name = "WHAT=NAME,…")]
     pub columns: Option<Assignments>,
-    /// Units of these columns, as angle=deg,torque=Ncm [default: the file's own, else rad, mNm, mm, N, s]
+    /// Units of these columns, as angle=deg,torque=Ncm [default: as the file or the columns' names have them, else rad, mNm, mm, N, s]
     #[arg(long, value_name = "WHAT=UNIT,…", requires = "columns")]
     pub units: Option<Assignments>,
 }
