@@ -70,18 +70,16 @@ pub fn refuse_drawn(model: &Model, called: &str) -> Result<(), AnalysisError> {
     drawn.map_or(Ok(()), |drawn| Err(AnalysisError::Drawn { model: called.to_owned(), effect: drawn.kind().name }))
 }
 
-/// The model that a diagnosis came to.
+/// The model that a diagnosis of captures, one at least, came to.
 #[must_use]
-pub fn diagnosed_model(found: &Diagnosis, train: &LoadedCapture) -> Model {
+pub fn diagnosed_model(found: &Diagnosis, captures: &[&LoadedCapture]) -> Model {
+    let axis = captures[0].capture.axis;
+    let sources: Vec<String> = captures.iter().map(|one| one.capture.source.display().to_string()).collect();
     Model {
-        name: title(train),
-        description: format!(
-            "diagnosed from {}: {}",
-            train.capture.source.display(),
-            train.capture.axis.words(&found.summary)
-        ),
+        name: title(captures[0]),
+        description: format!("diagnosed from {}: {}", sources.join(", "), axis.words(&found.summary)),
         effects: found.model.effects.iter().map(|effect| effect.without_origin()).collect(),
-        axis: train.capture.axis,
+        axis,
     }
 }
 

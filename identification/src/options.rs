@@ -25,16 +25,23 @@ pub struct FitOptions {
 
 /// How a capture is filtered before the fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum PreparationMethod {
-    /// Every edge from the signals' own spectra, mask first, then one linear-phase filter over torque and all columns.
+    /// Every cut-off frequency from the signals' own spectra.
+    ///
+    /// Mask first, then one linear-phase filter over torque and all columns.
     #[default]
     Automatic,
-    /// As Swindells and MacLean 2007 did, so that fits compare like with like: velocity through a 10th-order
+    /// As Swindells and MacLean 2007 did.
+    ///
+    /// So that fits compare like with like: velocity through a 10th-order
     /// Butterworth low-pass (500 Hz), then θ, θ̇, θ̈ and τ each through a 3rd-order Chebyshev low-pass of the second
     /// kind with 20 dB and the edges 1, 1, 0.5 and 0.5 kHz; all without phase shift. The acceleration is the
     /// accelerometer's, the twist of the torque sensor stays in, and every sliding sample is a row.
     Paper,
-    /// As is common in robot identification, so that fits compare with published figures (A. Janot, M. Gautier,
+    /// Angle through a 100 Hz Butterworth low-pass, differenced twice, decimated to 100 Hz: common for robots.
+    ///
+    /// So that fits compare with published figures (A. Janot, M. Gautier,
     /// M. Brunot, Data Set and Reference Models of EMPS, Workshop on Nonlinear System Identification Benchmarks,
     /// Eindhoven 2019): angle through a 4th-order Butterworth low-pass (100 Hz) without phase shift, velocity and
     /// acceleration by plain central differences, 50 ms cut off at each end, then torque and all columns through an

@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use report::{DiagnosisPage, FigureNumbers};
 
-use crate::convert::{CaptureOrPath, ModelOrName, framed, json, not_pickled, save_page, to_dict};
+use crate::convert::{CaptureOrPath, ModelOrName, framed, json_on, not_pickled, save_page, to_dict};
 use crate::error::raised;
 use crate::interruptible::BETWEEN_LOOKS;
 use crate::model::Model;
@@ -224,7 +224,7 @@ impl Diagnosis {
 
     /// The model with all that was added.
     fn model(&self) -> Model {
-        Model::from(diagnosed_model(&self.found, &self.train))
+        Model::from(diagnosed_model(&self.found, &[&self.train]))
     }
 
     /// Everything that ``haptic-camera diagnose --json`` writes, under its keys.
@@ -234,12 +234,12 @@ impl Diagnosis {
 
     /// The same as text.
     fn to_json(&self) -> PyResult<String> {
-        json(&DiagnosisResult::of(&self.page(), FigureNumbers::new()))
+        json_on(self.train.capture.axis, &DiagnosisResult::of(&self.page(), FigureNumbers::new()))
     }
 
     /// The report page, one HTML file that fetches nothing.
     fn to_html(&self) -> String {
-        report::diagnosis_page(&self.page())
+        self.train.capture.axis.words(&report::diagnosis_page(&self.page())).into_owned()
     }
 
     /// Write the report page.

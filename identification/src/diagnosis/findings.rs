@@ -95,7 +95,34 @@ pub struct Diagnosis {
     pub rows: [Vec<Row>; 2],
 }
 
+/// Share of the noise floor below which what is left contradicts it: a floor from the fewest rows that are believed is known to one part in
+/// nine.
+const DOUBTFUL: f64 = 0.7;
+
+/// What is said of a noise floor that is doubtful.
+pub const FLOOR_IS_DOUBTFUL: &str = "The residual is below the noise floor, so the floor is wrong: it is measured while the knob rests, and more than noise acted there. Effects \
+     below that floor are not found: judge by the residual torque.";
+
 impl Diagnosis {
+    /// Whether the model leaves so little that the noise floor cannot be what it is taken for.
+    #[must_use]
+    pub fn is_floor_doubtful(&self) -> bool {
+        self.heldout_rms_after < DOUBTFUL * self.noise_floor_rms
+    }
+
+    /// What the effects of [`Diagnosis::partial`] are, as the heading of their list.
+    #[must_use]
+    pub fn partial_heading(&self) -> &'static str {
+        match self.verdict {
+            Verdict::OutsideLibrary => {
+                "Effects that explain part of the residual, but cannot be what is missing or predict it too poorly:"
+            }
+            Verdict::None | Verdict::Effects => {
+                "Effects that would explain part of what is left above the noise, too little or too unsteadily to be named:"
+            }
+        }
+    }
+
     /// The capture that was trained on, and the one held out, of those given as such.
     pub fn in_their_roles<T>(&self, train: T, heldout: Option<T>) -> (T, Option<T>) {
         match heldout {

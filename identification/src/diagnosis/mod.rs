@@ -14,7 +14,8 @@ mod workflow;
 
 pub use error::DiagnosisError;
 pub use findings::{
-    Characteristic, Diagnosis, ForwardFromCommand, NextExperiment, Partial, Rival, Row, Step, Value, Verdict,
+    Characteristic, Diagnosis, FLOOR_IS_DOUBTFUL, ForwardFromCommand, NextExperiment, Partial, Rival, Row, Step, Value,
+    Verdict,
 };
 pub use verdict::FORWARD_WINDOW_S;
 pub use verdict::commanded::CommandedTorque;

@@ -275,6 +275,9 @@ impl Readings {
 
 #[cfg(test)]
 mod tests {
+    use dynamics::{Effect, effects};
+
+    use super::slide::{Side, Slide};
     use super::{ramp_end, rests};
 
     #[test]
@@ -300,5 +303,29 @@ mod tests {
         let found = rests(&angle, 6e-5, &vec![true; angle.len()], 20);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(found[0].start.abs_diff(100) <= 1 && found[0].end.abs_diff(160) <= 1, "{found:?}");
+    }
+
+    #[test]
+    fn a_knob_on_a_slow_ramp_leaves_where_the_torque_passes_the_friction() {
+        // A coarse encoder shows the motion a window and more after it began.
+        const STEP_RAD: f64 = 4e-4;
+        let since_s = |n: u32| f64::from(n.saturating_sub(50)) * 1e-3;
+        let angle: Vec<f64> =
+            (0..120).map(|n| (1000.0 * since_s(n).powi(3) / 6.0 / STEP_RAD).round() * STEP_RAD).collect();
+        let torque: Vec<f64> = (0..120).map(f64::from).collect();
+        let noise_rad = STEP_RAD / 12.0_f64.sqrt();
+        let slide = Slide {
+            angle_rad: &angle,
+            noise_rad,
+            torque_mnm: &torque,
+            effects: &[
+                Effect::new(&effects::inertia::KIND, &[1.0]),
+                Effect::new(&effects::friction::KIND, &[50.0, 50.0, 0.0, 0.0]),
+            ],
+            rate_hz: 1000.0,
+        };
+        let rest = rests(&angle, 6.0 * noise_rad, &[true; 120], 12).remove(0);
+        let border = slide.border(&rest, Side::After, 12).expect("the knob leaves within the window");
+        assert!((border.instant - 50.0).abs() < 3.0, "{} in {rest:?}", border.instant);
     }
 }

@@ -139,6 +139,37 @@ fn a_low_pass_in_the_torque_is_part_of_the_interval_of_detents() {
 }
 
 #[test]
+fn a_delay_that_a_damper_hides_is_part_of_the_interval_of_the_inertia() {
+    // A torque that is a fifth of a sample late takes 2.9 % off an inertia that its damper stops within 7 ms.
+    const INERTIA: f64 = 2.8;
+    const VISCOUS: f64 = 400.0;
+    const LATE_S: f64 = 0.2e-3;
+    let held = (0..10).filter(|seed| {
+        let mut random = Uniform(200 + seed);
+        let tones: Vec<[f64; 3]> = (0..12)
+            .map(|tone| [TAU * (0.3 + 1.4 * f64::from(tone)), 0.3 / (1.0 + f64::from(tone)), TAU * random.next()])
+            .collect();
+        let sum = |t: f64, of: &dyn Fn(f64, f64, f64) -> f64| -> f64 {
+            tones.iter().map(|[omega, size, phase]| of(*omega, *size, omega * t + phase)).sum()
+        };
+        let t_s: Vec<f64> = (0..12_000).map(|row| f64::from(row) * 1e-3).collect();
+        let step_rad = TAU / 16_384.0;
+        let angle_rad = t_s.iter().map(|t| (sum(*t, &|_, size, at| size * at.sin()) / step_rad).round() * step_rad);
+        let torque = |t: f64| {
+            let velocity = sum(t, &|omega, size, at| size * omega * at.cos());
+            let acceleration = sum(t, &|omega, size, at| -size * omega * omega * at.sin());
+            INERTIA * acceleration + VISCOUS * velocity + 40.0 * velocity.signum()
+        };
+        let angle_rad: Vec<f64> = angle_rad.collect();
+        let torque_mnm = t_s.iter().map(|t| torque(t - LATE_S) + 3.0 * (random.next() - 0.5)).collect();
+        let [low, high] = interval(&fitted(&[t_s, angle_rad, torque_mnm]), "inertia");
+        (low..=high).contains(&INERTIA)
+    });
+    let held = held.count();
+    assert!(held >= 9, "{held} of 10 intervals hold the inertia");
+}
+
+#[test]
 fn outliers_to_one_side_are_replaced_and_counted() {
     let t_s: Vec<f64> = (0..10_000).map(|index| real(index) * 1e-3).collect();
     let mut random = Uniform(3);

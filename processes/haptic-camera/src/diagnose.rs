@@ -51,7 +51,7 @@ pub fn run(options: &DiagnoseOptions) -> anyhow::Result<()> {
     let found = with_progress(|progress| Ok(analysis::diagnose(&train, heldout.as_ref(), model, Some(progress))?))?;
     show_on(train.capture.axis, diagnosis_text::lines(&found));
     let (trained, _) = found.in_their_roles(&train, heldout.as_ref());
-    write_if_asked(&options.out, kind::DIAGNOSED_MODEL, || diagnosed_model(&found, trained).to_toml())?;
+    write_if_asked(&options.out, kind::DIAGNOSED_MODEL, || diagnosed_model(&found, &[trained]).to_toml())?;
     write_results(&options.results, &options.recording, &found, &train, heldout.as_ref())
 }
 

@@ -4,31 +4,20 @@ use std::ops::Range;
 
 use comfy_table::{ContentArrangement, Table};
 use dynamics::effects;
-use identification::diagnosis::{Characteristic, Diagnosis, FORWARD_WINDOW_S, Location, Step, Value, Verdict};
+use identification::diagnosis::{
+    Characteristic, Diagnosis, FLOOR_IS_DOUBTFUL, FORWARD_WINDOW_S, Location, Step, Value, Verdict,
+};
 
 use crate::terminal::{self, WIDTH, paragraph};
 
 /// Coordinates that are named.
 const NAMED: usize = 3;
 
-/// Share of the noise floor below which what is left contradicts it: a floor from the fewest rows that are believed is
-/// known to one part in nine.
-const DOUBTFUL: f64 = 0.7;
-
-/// Whether the model leaves so little that the noise floor cannot be what it is taken for.
-pub fn is_floor_doubtful(found: &Diagnosis) -> bool {
-    found.heldout_rms_after < DOUBTFUL * found.noise_floor_rms
-}
-
 /// The diagnosis line by line, none wider than 80 columns.
 pub fn lines(found: &Diagnosis) -> Vec<String> {
     let mut lines = vec![found.summary.clone()];
-    if is_floor_doubtful(found) {
-        lines.push(
-            "The residual is below the noise floor, so the floor is wrong: it is measured while the knob rests, and \
-             more than noise acted there. Effects below that floor are not found: judge by the residual torque."
-                .to_owned(),
-        );
+    if found.is_floor_doubtful() {
+        lines.push(FLOOR_IS_DOUBTFUL.to_owned());
     }
     let first = goes_with(&found.locations);
     lines.extend(first.map(|words| format!("The first model's residual depends on {words}.")));
@@ -61,15 +50,7 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
         (_, Some(words)) => lines.push(format!("The remaining residual depends on {words}.")),
     }
     if !found.partial.is_empty() {
-        let of = match found.verdict {
-            Verdict::OutsideLibrary => {
-                "Effects that explain part of the residual, but cannot be what is missing or predict it too poorly:"
-            }
-            Verdict::None | Verdict::Effects => {
-                "Effects that would explain part of what is left above the noise, too little or too unsteadily to be named:"
-            }
-        };
-        lines.push(of.to_owned());
+        lines.push(found.partial_heading().to_owned());
         for partial in &found.partial {
             let why_not = partial.disqualified.as_ref().map_or_else(String::new, |reason| format!(" ({reason})"));
             lines.push(format!("- {} {:.0} %{why_not}", partial.effect, partial.explains_percent));

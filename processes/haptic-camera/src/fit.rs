@@ -43,18 +43,7 @@ pub struct FitOptions {
     pub characteristic: bool,
     /// How the capture is filtered before the fit
     #[arg(long, value_enum, default_value = "automatic")]
-    pub preparation: Preparation,
-}
-
-/// How a capture is filtered before a fit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Preparation {
-    /// Every cut-off frequency from the signals' own spectra.
-    Automatic,
-    /// As Swindells and MacLean 2007 did.
-    Paper,
-    /// Angle through a 100 Hz Butterworth low-pass, differenced twice, decimated to 100 Hz: common for robots.
-    CentralDifferences,
+    pub preparation: PreparationMethod,
 }
 
 pub fn run(options: &FitOptions) -> anyhow::Result<()> {
@@ -77,11 +66,7 @@ pub fn run(options: &FitOptions) -> anyhow::Result<()> {
 fn fit_as_asked(loaded: &LoadedCapture, options: &FitOptions) -> anyhow::Result<Fit> {
     let usual = analysis::fit_options(loaded);
     let characteristic = options.characteristic || usual.characteristic;
-    let preparation = match options.preparation {
-        Preparation::Automatic => PreparationMethod::Automatic,
-        Preparation::Paper => PreparationMethod::Paper,
-        Preparation::CentralDifferences => PreparationMethod::CentralDifferences,
-    };
+    let preparation = options.preparation;
     Ok(analysis::fit_with(loaded, &identification::FitOptions { characteristic, preparation, ..usual })?)
 }
 

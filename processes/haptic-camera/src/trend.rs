@@ -18,21 +18,15 @@ pub struct TrendOptions {
     /// A file made by `table`
     #[arg(value_name = "TABLE.parquet")]
     pub table: PathBuf,
-    /// How captures are grouped
-    #[arg(long, value_enum, default_value = "knob")]
-    pub by: TrendGroups,
+    /// How captures are grouped: by knob, to show wear and compare batches, or by rig, to show its drift
+    #[arg(long, default_value = "knob", value_parser = GROUPS)]
+    pub by: String,
     #[command(flatten)]
     pub results: ResultFiles,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum TrendGroups {
-    /// By knob, to show wear and compare batches.
-    Knob,
-    /// By rig, to show its drift.
-    Rig,
-}
-
+/// The columns of a table by which captures are grouped.
+const GROUPS: [&str; 2] = ["knob", "rig"];
 const DAY_NS: f64 = 86_400e9;
 /// How the ends of a parameter's interval are called after it.
 const ENDS: [&str; 2] = ["_ci95_low", "_ci95_high"];
@@ -41,12 +35,8 @@ const ENDS: [&str; 2] = ["_ci95_low", "_ci95_high"];
 type Point = (f64, [Option<f64>; 3]);
 
 pub fn run(options: &TrendOptions) -> anyhow::Result<()> {
-    let by = match options.by {
-        TrendGroups::Knob => "knob",
-        TrendGroups::Rig => "rig",
-    };
-    let trend = read(&options.table, by)?;
-    let lines = trend.groups.iter().map(|group| words(by, group));
+    let trend = read(&options.table, &options.by)?;
+    let lines = trend.groups.iter().map(|group| words(&options.by, group));
     options.results.tell(Axis::default(), lines, &trend, || report::trend_page(&trend))
 }
 
@@ -60,7 +50,7 @@ fn words(by: &str, group: &TrendGroup) -> String {
     format!("{by} {}: {captures} captures; {drift}{verdicts}", group.name)
 }
 
-fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
+fn read(table: &Path, by: &str) -> anyhow::Result<Trend> {
     let foreign = || format!("{} is not a table of captures; make one with `haptic-camera table`", table.display());
     let file = foreign_files::open(table).with_context(foreign)?;
     let rows = SerializedFileReader::new(file).with_context(foreign)?;
@@ -74,7 +64,7 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
         metadata.filter_map(|pair| Some((pair.key.strip_prefix("unit.")?, pair.value.as_deref()?))).collect();
     let mut trend = Trend {
         source: table.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        by,
+        by: by.to_owned(),
         software_version: env!("CARGO_PKG_VERSION").to_owned(),
         ..Trend::default()
     };
@@ -99,8 +89,11 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
         if let Some(verdict) = text("verdict") {
             *verdicts.entry(name.clone()).or_default().entry(verdict).or_default() += 1;
         }
-        let captured_at_ns = real("captured_at_ns").unwrap_or(0.0);
         let group = groups.entry(name).or_insert_with(|| vec![Vec::new(); parameters.len()]);
+        let Some(captured_at_ns) = real("captured_at_ns").filter(|time_ns| *time_ns > 0.0) else {
+            trend.without_time += 1;
+            continue;
+        };
         for (points, name) in group.iter_mut().zip(&parameters) {
             let [low, high] = ENDS.map(|end| real(&format!("{name}{end}")));
             points.push((captured_at_ns, [real(name), low, high]));

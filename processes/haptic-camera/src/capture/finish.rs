@@ -29,9 +29,7 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::
         Ok(fitted) => {
             if let Err(error) = keep(&loaded, &fitted) {
                 remark(format!("{error:#}; the archive is kept: run `haptic-camera fit {archive}` to write them"));
-                if outcome == Outcome::Done {
-                    outcome = Outcome::Failed;
-                }
+                outcome = outcome.worse(Outcome::Failed);
             }
             say(format!("view     haptic-camera view {archive}"));
             say("");

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use archive::testers::Curve;
-use dynamics::Model;
 use identification::diagnosis::Diagnosis;
 use loaded_capture::LoadedCapture;
 use rt_loop::request::RunRequest;
@@ -90,7 +89,7 @@ pub(super) fn until_named(options: &CaptureOptions, interrupted: &AtomicBool) ->
                 Some(experiment)
             }
             end => {
-                tell_end(&end, &taken, diagnosis_text::is_floor_doubtful(&found));
+                tell_end(&end, &taken, found.is_floor_doubtful());
                 None
             }
         };
@@ -98,18 +97,22 @@ pub(super) fn until_named(options: &CaptureOptions, interrupted: &AtomicBool) ->
             conclude(options, &taken, &found)?;
             return Ok(series.worst);
         };
-        match series.add(experiment)? {
-            Ok(one) => {
+        // What was found before stands; the cut capture is kept, and is no evidence.
+        let cut = match series.add(experiment) {
+            Ok(Ok(one)) => {
                 taken.push(one);
                 before = Some(found);
+                continue;
             }
-            // What was found before stands; the cut capture is kept, and is no evidence.
-            Err(cut) => {
-                remark("the last experiment did not finish: the diagnosis uses the earlier ones");
-                conclude(options, &taken, &found)?;
-                return Ok(cut.map_or(Outcome::Failed, |outcome| series.worst.worse(outcome)));
+            Ok(Err(cut)) => cut,
+            Err(error) => {
+                remark(format!("{error:#}"));
+                None
             }
-        }
+        };
+        remark("the last experiment did not finish: the diagnosis uses the earlier ones");
+        conclude(options, &taken, &found)?;
+        return Ok(cut.map_or(Outcome::Failed, |outcome| series.worst.worse(outcome)));
     }
 }
 
@@ -128,13 +131,21 @@ pub(super) fn until_certain(
     while verdict == Verdict::Undecided && curves.len() < options.turns as usize {
         match series.add(Experiment { sweep: TURN.0.to_owned(), amplitude_rad: options.request.amplitude })? {
             Ok(taken) => curves.push(taken.loaded.curve()),
-            Err(cut) => return Ok(cut_short(cut, "no verdict: it needs a complete slow turn")),
+            Err(cut) => {
+                let outcome = cut_short(cut, "no verdict: it needs a complete slow turn");
+                return Ok(if outcome == Outcome::Done { Outcome::Undecided } else { outcome });
+            }
         }
         let judgement = specification.judge(&Sheet::of(&Curve::evidence(&curves))?);
         tell(curves.len(), &judgement);
         verdict = judgement.verdict;
     }
-    Ok(if series.worst == Outcome::Done { judge::outcome(verdict) } else { series.worst })
+    // A unit out of specification is so whatever else was lost.
+    Ok(match judge::outcome(verdict) {
+        Outcome::OutOfSpecification => Outcome::OutOfSpecification,
+        outcome if series.worst == Outcome::Done => outcome,
+        _ => series.worst,
+    })
 }
 
 impl Series<'_> {
@@ -192,13 +203,7 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         path.with_file_name(format!("{stem}-diagnosis.{extension}"))
     };
-    let files: Vec<String> = taken.iter().map(|one| one.loaded.capture.source.display().to_string()).collect();
-    let model = Model {
-        name: analysis::title(&first.loaded),
-        description: format!("diagnosed from {}: {}", files.join(", "), axis.words(&found.summary)),
-        effects: found.model.effects.clone(),
-        axis,
-    };
+    let model = analysis::diagnosed_model(found, &taken.iter().map(|one| &one.loaded).collect::<Vec<_>>());
     write(&beside("toml"), kind::DIAGNOSED_MODEL, &model.to_toml())?;
     say(format!("model    {}", beside("toml").display()));
     let report = options.results.report.clone().unwrap_or_else(|| beside("html"));

@@ -4,12 +4,14 @@
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
 use std::io::{BufRead as _, BufReader, BufWriter, Seek as _, SeekFrom, Write as _};
+use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
 
 use analysis::{Cell, Row};
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, bail, ensure};
 use archive::ArchiveError;
 use archive::whole_file::{Replace, beside, write_whole};
+use nix::libc::O_NOFOLLOW;
 use parquet::basic::{Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
@@ -18,10 +20,14 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use sheet::Specification;
 
 use super::Seen;
+use crate::outcome::remark;
 use crate::parquet_file::{begin, software, write_column};
 
 /// Rows that are written at once: what memory holds of a table of any length.
 const ROWS_AT_ONCE: usize = 4096;
+
+/// How a journal begins: nothing else is written over.
+const MARK: &str = "rows of a table of captures, by the specification ";
 
 /// Place of the column `error` in a row.
 const ERROR: usize = 1;
@@ -49,16 +55,29 @@ impl<'spec> Journal<'spec> {
     ) -> anyhow::Result<(Self, HashSet<Seen>)> {
         let place = beside(table, ".incomplete");
         let unusable = || format!("{} cannot be used; choose another --out", place.display());
-        let mut file = File::options().read(true).append(true).create(true).open(&place).with_context(unusable)?;
+        let mut options = File::options();
+        options.read(true).append(true).create(true).custom_flags(O_NOFOLLOW);
+        let mut file = options.open(&place).with_context(unusable)?;
         if file.try_lock().is_err() {
             bail!("{} is in use by another `table`; wait for it, or choose another --out", place.display());
         }
         let (mut lines, mut text) = (HashMap::new(), String::new());
         let columns = Row::columns(specification);
-        let head = format!("{specification:?}\n");
+        let head = format!("{MARK}{specification:?}\n");
         let mut reader = BufReader::new(&file);
-        let is_ours = reader.read_line(&mut text).is_ok_and(|_| text == head);
-        if !is_ours {
+        reader.read_line(&mut text).with_context(unusable)?;
+        ensure!(
+            text.is_empty() || text.starts_with(MARK),
+            "{} is no beginning of a table; choose another --out",
+            place.display()
+        );
+        if text != head {
+            if !text.is_empty() {
+                remark(format!(
+                    "the rows in {} were judged by another specification and are made again",
+                    place.display()
+                ));
+            }
             file.set_len(0).with_context(unusable)?;
             file.write_all(head.as_bytes()).with_context(unusable)?;
         }

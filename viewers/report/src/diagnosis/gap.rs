@@ -1,6 +1,6 @@
 //! How large the gap is, before and after.
 
-use identification::diagnosis::{Diagnosis, ForwardFromCommand, Row, Verdict};
+use identification::diagnosis::{Diagnosis, FLOOR_IS_DOUBTFUL, ForwardFromCommand, Row, Verdict};
 use identification::statistics::NORMAL_95;
 use maud::{Markup, html};
 
@@ -11,19 +11,13 @@ use crate::numbers::{three, two};
 use crate::page::FEWEST_ROWS;
 use crate::plot::{Axis, Layer, Plot};
 
-/// A floor from the fewest rows that are believed is known to one part in nine: residuals below this share of it contradict it.
-const DOUBTFUL: f64 = 0.7;
-
 /// The section, and the numbers in its figure's caption.
 pub(super) fn section(found: &Diagnosis, heldout: &[Row], numbers: &mut Numbering) -> (Markup, Numbers) {
     let drawn = (heldout.len() >= FEWEST_ROWS).then(|| excerpt(found, heldout));
     let markup = html! {
         (table(found))
-        @if found.heldout_rms_after < DOUBTFUL * found.noise_floor_rms {
-            p.note {
-                "The model leaves less than the noise floor, which cannot be: the floor is read off the knob's rests, and in this \
-                 capture more than noise acted there. Judge by the millinewton-metres, not by the multiples of the noise."
-            }
+        @if found.is_floor_doubtful() {
+            p.note { (FLOOR_IS_DOUBTFUL) }
         }
         (from_command(found))
         @if let Some((figure, _)) = &drawn {

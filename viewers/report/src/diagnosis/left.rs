@@ -59,15 +59,8 @@ fn partial(found: &Diagnosis) -> Markup {
     if found.partial.is_empty() {
         return html! {};
     }
-    let outside = found.verdict == Verdict::OutsideLibrary;
     html! {
-        p {
-            @if outside {
-                "Effects that explain part of it and are not what is missing:"
-            } @else {
-                "Effects that would explain part of what is left above the noise, too little or too unsteadily to be named:"
-            }
-        }
+        p { (found.partial_heading()) }
         ul {
             @for partial in &found.partial {
                 li {

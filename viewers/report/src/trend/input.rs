@@ -11,11 +11,13 @@ pub struct Trend {
     /// The table that they were taken from.
     pub source: String,
     /// What captures are grouped by: `knob` or `rig`.
-    pub by: &'static str,
+    pub by: String,
     /// The groups, by name.
     pub groups: Vec<TrendGroup>,
     /// Captures of the table with an error, which are left out.
     pub with_error: usize,
+    /// Captures whose files do not say when they were made, of which only the verdicts count.
+    pub without_time: usize,
     /// Version of the program that made the page.
     #[serde(skip)]
     pub software_version: String,

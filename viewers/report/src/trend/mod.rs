@@ -81,8 +81,11 @@ fn verdict(trend: &Trend) -> String {
         .collect();
     let captures: usize =
         trend.groups.iter().filter_map(|group| group.parameters.iter().map(|one| one.captures).max()).sum();
-    let left_out =
-        if trend.with_error > 0 { format!(" {} with an error are left out.", trend.with_error) } else { String::new() };
+    let left_out: String = [(trend.with_error, "with an error"), (trend.without_time, "whose time is not known")]
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, which)| format!(" {count} {which} are left out."))
+        .collect();
     let drift = match (significant.len(), drifts().count()) {
         (0, 0) => "No group has captures at three times or more, so no drift can be estimated.".to_owned(),
         (0, of) => format!("None of {of} parameters drifts."),
