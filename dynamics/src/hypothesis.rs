@@ -71,6 +71,11 @@ pub struct Hypothesis {
     pub per_capture: bool,
 }
 
+impl Hypothesis {
+    /// Of an effect that is linear in its parameters, comes as a whole, once, on any axis and with the knob.
+    pub const PLAIN: Self = Self { searched: &[], nested: &[], lines: 1, least_turn_rad: None, per_capture: false };
+}
+
 /// The search for one parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
@@ -99,6 +104,10 @@ pub enum RangeEnd {
 }
 
 impl Search {
+    /// Of values at equal distances, free of other effects' and in a range that is still to be given.
+    pub const PLAIN: Self =
+        Self { parameter: 0, range: |_| None, starts: |_| 1, logarithmic: false, straight_end: None, same_as: None };
+
     /// Values to try over so many widths of a spectral peak: three to a width.
     #[must_use]
     pub fn starts_over(widths: f64) -> usize {

@@ -68,14 +68,11 @@ pub static KIND: EffectKind = EffectKind {
                 (fewest < MOST_PER_TURN).then_some((fewest, MOST_PER_TURN))
             },
             starts: |scene| Search::starts_over(MOST_PER_TURN * scene.travel_rad() / TAU),
-            logarithmic: false,
             straight_end: Some(RangeEnd::Least),
-            same_as: None,
+            ..Search::PLAIN
         }],
-        nested: &[],
-        lines: 1,
         least_turn_rad: Some(0.0),
-        per_capture: false,
+        ..Hypothesis::PLAIN
     }),
 };
 

@@ -59,16 +59,13 @@ pub static KIND: EffectKind = EffectKind {
                 range: |scene| Some((scene.angle_step_rad.max(3e-6 * scene.travel_rad()), 0.1 * scene.travel_rad())),
                 starts: |_| 10,
                 logarithmic: true,
-                straight_end: None,
-                same_as: None,
+                ..Search::PLAIN
             },
             Search {
                 parameter: INNER_SHARE,
                 range: |_| Some((0.02, 0.98)),
                 starts: |scene| if scene.is_faint { 5 } else { 2 },
-                logarithmic: false,
-                straight_end: None,
-                same_as: None,
+                ..Search::PLAIN
             },
             Search {
                 parameter: 2,
@@ -76,21 +73,16 @@ pub static KIND: EffectKind = EffectKind {
                 range: |scene| scene.resonant_stiffnesses(20.0, 0.4 / scene.sample_s),
                 starts: |_| 2,
                 logarithmic: true,
-                straight_end: None,
-                same_as: None,
+                ..Search::PLAIN
             },
             Search {
                 parameter: DAMPING,
                 range: Scene::coupling_dampings,
                 starts: |_| 1,
                 logarithmic: true,
-                straight_end: None,
-                same_as: None,
+                ..Search::PLAIN
             },
         ],
-        nested: &[],
-        lines: 1,
-        least_turn_rad: None,
-        per_capture: false,
+        ..Hypothesis::PLAIN
     }),
 };

@@ -76,10 +76,9 @@ pub static KIND: EffectKind = EffectKind {
     }),
     hypothesis: Some(Hypothesis {
         searched: &[per_turn(1), per_turn(1 + EACH), per_turn(1 + 2 * EACH)],
-        nested: &[],
         lines: LINES,
         least_turn_rad: Some(0.0),
-        per_capture: false,
+        ..Hypothesis::PLAIN
     }),
 };
 
@@ -123,9 +122,7 @@ const fn per_turn(parameter: usize) -> Search {
             (most > fewest).then_some((fewest, most))
         },
         starts: |scene| Search::starts_over(finest_per_turn(scene) * scene.travel_rad() / TAU),
-        logarithmic: false,
-        straight_end: None,
-        same_as: None,
+        ..Search::PLAIN
     }
 }
 

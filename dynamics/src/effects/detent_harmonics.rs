@@ -78,14 +78,11 @@ pub static KIND: EffectKind = EffectKind {
             parameter: 0,
             range: |scene| scene.detent_period_rad.map(|period| (0.99 * period, 1.01 * period)),
             starts: |_| 1,
-            logarithmic: false,
-            straight_end: None,
             same_as: Some("detent_period"),
+            ..Search::PLAIN
         }],
         nested: &[2, 4, 6, 10, 14, COLUMNS],
-        lines: 1,
-        least_turn_rad: None,
-        per_capture: false,
+        ..Hypothesis::PLAIN
     }),
 };
 

@@ -41,13 +41,9 @@ pub static KIND: EffectKind = EffectKind {
             range: |scene| Some((0.05 * scene.median_speed_rad_s, scene.highest_speed_rad_s)),
             starts: |_| 8,
             logarithmic: true,
-            straight_end: None,
-            same_as: None,
+            ..Search::PLAIN
         }],
-        nested: &[],
-        lines: 1,
-        least_turn_rad: None,
-        per_capture: false,
+        ..Hypothesis::PLAIN
     }),
 };
 

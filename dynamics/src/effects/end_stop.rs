@@ -66,24 +66,18 @@ pub static KIND: EffectKind = EffectKind {
                 // Where there is none, out of reach.
                 range: |scene| Some(around(scene.lowest_rad, -BEYOND, WITHIN, scene)),
                 starts: |_| 9,
-                logarithmic: false,
-                straight_end: None,
-                same_as: None,
+                ..Search::PLAIN
             },
             Search {
                 parameter: 1,
                 range: |scene| Some(around(scene.highest_rad, -WITHIN, BEYOND, scene)),
                 starts: |_| 9,
-                logarithmic: false,
-                straight_end: None,
-                same_as: None,
+                ..Search::PLAIN
             },
         ],
         // A contact of a few milliseconds does not tell its damping.
         nested: &[2, 3],
-        lines: 1,
-        least_turn_rad: None,
-        per_capture: false,
+        ..Hypothesis::PLAIN
     }),
 };
 

@@ -43,9 +43,6 @@ pub static KIND: EffectKind = EffectKind {
             straight_end: Some(RangeEnd::Largest),
             same_as: None,
         }],
-        nested: &[],
-        lines: 1,
-        least_turn_rad: None,
-        per_capture: false,
+        ..Hypothesis::PLAIN
     }),
 };

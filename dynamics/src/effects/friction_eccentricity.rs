@@ -38,11 +38,5 @@ pub static KIND: EffectKind = EffectKind {
         },
         nonnegative: &[],
     }),
-    hypothesis: Some(Hypothesis {
-        searched: &[],
-        nested: &[],
-        lines: 1,
-        least_turn_rad: Some(0.5),
-        per_capture: false,
-    }),
+    hypothesis: Some(Hypothesis { searched: &[], least_turn_rad: Some(0.5), ..Hypothesis::PLAIN }),
 };

@@ -55,13 +55,9 @@ pub static KIND: EffectKind = EffectKind {
                 (highest_hz > 51.0).then_some((49.0, highest_hz))
             },
             starts: |scene| Search::starts_over(12.0 * scene.duration_s),
-            logarithmic: false,
-            straight_end: None,
-            same_as: None,
+            ..Search::PLAIN
         }],
-        nested: &[],
-        lines: 1,
-        least_turn_rad: None,
         per_capture: true,
+        ..Hypothesis::PLAIN
     }),
 };

@@ -36,12 +36,8 @@ pub static KIND: EffectKind = EffectKind {
             },
             starts: |_| 14,
             logarithmic: true,
-            straight_end: None,
-            same_as: None,
+            ..Search::PLAIN
         }],
-        nested: &[],
-        lines: 1,
-        least_turn_rad: None,
-        per_capture: false,
+        ..Hypothesis::PLAIN
     }),
 };

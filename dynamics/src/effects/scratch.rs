@@ -43,13 +43,7 @@ pub static KIND: EffectKind = EffectKind {
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[],
     }),
-    hypothesis: Some(Hypothesis {
-        searched: &[edge(1), edge(2)],
-        nested: &[],
-        lines: 1,
-        least_turn_rad: None,
-        per_capture: false,
-    }),
+    hypothesis: Some(Hypothesis { searched: &[edge(1), edge(2)], ..Hypothesis::PLAIN }),
 };
 
 /// The search for an edge: both must lie within the travel, or it is no part of it.
@@ -61,9 +55,7 @@ const fn edge(parameter: usize) -> Search {
             Some((scene.lowest_rad + margin_rad, scene.highest_rad - margin_rad))
         },
         starts: |_| 20,
-        logarithmic: false,
-        straight_end: None,
-        same_as: None,
+        ..Search::PLAIN
     }
 }
 

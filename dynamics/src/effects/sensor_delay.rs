@@ -27,14 +27,9 @@ pub static KIND: EffectKind = EffectKind {
             range: |scene| Some((-longest_s(scene), longest_s(scene))),
             // Three to a period of what is fastest.
             starts: |scene| Search::starts_over(2.0 * longest_s(scene) * scene.band_hz),
-            logarithmic: false,
-            straight_end: None,
-            same_as: None,
+            ..Search::PLAIN
         }],
-        nested: &[],
-        lines: 1,
-        least_turn_rad: None,
-        per_capture: false,
+        ..Hypothesis::PLAIN
     }),
 };
 

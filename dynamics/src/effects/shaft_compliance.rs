@@ -41,21 +41,10 @@ pub static KIND: EffectKind = EffectKind {
                 range: |scene| scene.resonant_stiffnesses(5.0, 2.5 * scene.band_hz),
                 starts: |_| 24,
                 logarithmic: true,
-                straight_end: None,
-                same_as: None,
+                ..Search::PLAIN
             },
-            Search {
-                parameter: 1,
-                range: Scene::coupling_dampings,
-                starts: |_| 1,
-                logarithmic: true,
-                straight_end: None,
-                same_as: None,
-            },
+            Search { parameter: 1, range: Scene::coupling_dampings, starts: |_| 1, logarithmic: true, ..Search::PLAIN },
         ],
-        nested: &[],
-        lines: 1,
-        least_turn_rad: None,
-        per_capture: false,
+        ..Hypothesis::PLAIN
     }),
 };

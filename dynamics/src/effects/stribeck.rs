@@ -50,22 +50,11 @@ pub static KIND: EffectKind = EffectKind {
                 range: |scene| Some((0.02 * scene.median_speed_rad_s, scene.highest_speed_rad_s)),
                 starts: |_| 6,
                 logarithmic: true,
-                straight_end: None,
-                same_as: None,
+                ..Search::PLAIN
             },
-            Search {
-                parameter: 2,
-                range: |_| Some((0.5, 2.5)),
-                starts: |_| 2,
-                logarithmic: false,
-                straight_end: None,
-                same_as: None,
-            },
+            Search { parameter: 2, range: |_| Some((0.5, 2.5)), starts: |_| 2, ..Search::PLAIN },
         ],
-        nested: &[],
-        lines: 1,
-        least_turn_rad: None,
-        per_capture: false,
+        ..Hypothesis::PLAIN
     }),
 };
 

@@ -40,7 +40,7 @@ pub struct ForwardErrors {
 /// restarted every `window_s`, 0.1 s being a good length: hundreds of samples, and longer than a knob takes to stop.
 ///
 /// `motions` are measured, the first at rest; `readings_mnm` are what the torque sensor read at their times, from which
-/// [`Model::knob_torque_mnm`] takes the model's own reading errors. `added_inertia` in mNm·s²/rad turns with the cap.
+/// [`Model::knob_torque_mnm`] takes the model's own reading errors.
 /// What cannot be measured at a window's start, an inner body or bent bristles, is followed through the whole capture
 /// under the measured motion. Samples whose torque would have been read outside the capture are left out, and a gap in
 /// the capture starts a new window.
@@ -49,13 +49,12 @@ pub struct ForwardErrors {
 /// [`SimulationError`], for models that cannot be simulated.
 pub fn forward_windows(
     model: &Model,
-    added_inertia: f64,
     motions: &[Motion],
     readings_mnm: &[f64],
     window_s: f64,
 ) -> Result<ForwardErrors, SimulationError> {
     let torque_mnm = model.knob_torque_mnm(motions, readings_mnm);
-    follow(model, added_inertia, motions, &Driving::Measured(&torque_mnm), model.readings_within(motions), window_s)
+    follow(model, 0.0, motions, &Driving::Measured(&torque_mnm), model.readings_within(motions), window_s)
 }
 
 /// The same from the torque commanded from the rig's motor, which turns itself and the knob: the torque sensor takes no

@@ -38,7 +38,7 @@ fn motions(course: &[(f64, f64)]) -> Vec<Motion> {
 }
 
 fn errors(model: &Model, motions: &[Motion], readings: &[f64]) -> ForwardErrors {
-    forward_windows(model, 0.0, motions, readings, WINDOW_S).unwrap()
+    forward_windows(model, motions, readings, WINDOW_S).unwrap()
 }
 
 type Case = (&'static str, &'static [f64], Knob);

@@ -215,26 +215,32 @@ impl Profile {
         // Half of a sine's values lie below its amplitude over √2, shocks or not.
         let mut sizes: Vec<f64> = mean_mnm.iter().map(|torque| torque.abs()).collect();
         let threshold = HYSTERESIS * SQRT_2 * median(&mut sizes);
-        let mut crossings = Vec::new();
-        let mut low = false;
-        let mut candidate = None;
-        for (index, pair) in mean_mnm.windows(2).enumerate() {
-            if pair[0] < -threshold {
-                (low, candidate) = (true, None);
-            }
-            if low && pair[0] < 0.0 && pair[1] >= 0.0 {
-                let share = pair[0] / (pair[0] - pair[1]);
-                candidate = Some(self.first_rad + (index as f64 + share) * TAU / BINS_PER_TURN);
-            }
-            if pair[1] > threshold
-                && let Some(angle) = candidate.take()
-            {
-                crossings.push(angle);
-                low = false;
-            }
-        }
-        crossings
+        let places = rising_crossings(mean_mnm, threshold).into_iter();
+        places.map(|place| self.first_rad + place * TAU / BINS_PER_TURN).collect()
     }
+}
+
+/// Where values rise through zero from below minus a threshold to above it, in distances of neighbours from the first: what only shakes about zero
+/// does not cross it.
+#[must_use]
+pub fn rising_crossings(values: &[f64], threshold: f64) -> Vec<f64> {
+    let mut crossings = Vec::new();
+    let (mut low, mut candidate) = (false, None);
+    for (index, pair) in values.windows(2).enumerate() {
+        if pair[0] < -threshold {
+            (low, candidate) = (true, None);
+        }
+        if low && pair[0] < 0.0 && pair[1] >= 0.0 {
+            candidate = Some(index as f64 + pair[0] / (pair[0] - pair[1]));
+        }
+        if pair[1] > threshold
+            && let Some(place) = candidate.take()
+        {
+            crossings.push(place);
+            low = false;
+        }
+    }
+    crossings
 }
 
 /// The values with short gaps, as missed ticks and slips leave them, bridged by straight lines.

@@ -9,5 +9,5 @@ mod detents;
 mod free_travel;
 
 pub use breakaway::{Breakaway, breakaways};
-pub use detents::{CountError, DetentCount, count_detents};
+pub use detents::{CountError, DetentCount, count_detents, rising_crossings};
 pub use free_travel::{FreeTravel, free_travel};

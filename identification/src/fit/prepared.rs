@@ -17,7 +17,7 @@ use crate::preparation::row_filter::RowFilter;
 use crate::preparation::uniform::Uniform;
 use crate::regression::characteristic::{CurveProjection, Measured, Places, measure};
 use crate::regression::problem::Problem;
-use crate::samples::{FEWEST_SAMPLES, FitError, Samples};
+use crate::samples::{FitError, Samples};
 use crate::uncertainty::statistics::quantile;
 
 /// Step of an encoder that is coarse for a servo, rad: 17 bits in a turn.
@@ -41,11 +41,7 @@ impl<'a> Prepared<'a> {
 
     /// An error if the knob hardly slides.
     pub(super) fn checked(self) -> Result<Self, FitError> {
-        let samples = self.row_filter.sliding();
-        if samples < FEWEST_SAMPLES / 2 {
-            return Err(FitError::HardlyMoving { threshold_rad_s: self.row_filter.threshold_rad_s, samples });
-        }
-        Ok(self)
+        self.row_filter.checked().map(|()| self)
     }
 
     /// All but the detents.

@@ -37,7 +37,6 @@ pub(super) struct Solution {
     pub(super) column_rms: Vec<f64>,
     pub(super) torque_rms: f64,
     pub(super) residual_rms: f64,
-    pub(super) rows: u64,
     pub(super) blocks: usize,
 }
 
@@ -107,7 +106,6 @@ impl Blocks {
             column_rms: (1..=columns).map(|index| rms(total[(index, index)])).collect(),
             torque_rms: rms(total[(0, 0)]),
             residual_rms: rms(solved.squares(&total)),
-            rows: self.rows,
             blocks: blocks.len(),
             coefficients: solved.coefficients,
         })

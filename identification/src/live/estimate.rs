@@ -76,8 +76,6 @@ pub struct LiveEstimate {
     pub parameters: Vec<LiveParameter>,
     /// RMS of the torque that the model leaves, in the band of the fit; `None` before the first row.
     pub residual_rms_mnm: Option<f64>,
-    /// RMS of the torque itself in that band.
-    pub torque_rms_mnm: Option<f64>,
     /// RMS of the velocity while the knob slid, rad/s; `None` before the first row.
     pub speed_rms_rad_s: Option<f64>,
     /// RMS of the acceleration while the knob slid, rad/s²; `None` before the first row.
@@ -86,10 +84,6 @@ pub struct LiveEstimate {
     pub samples: u64,
     /// Samples left out because they were not numbers or did not come later than the last.
     pub ignored_samples: u64,
-    /// Rows that the fit rests on.
-    pub rows: u64,
-    /// Time of the newest sample, s; NaN before the first.
-    pub newest_s: f64,
     pub(super) wavenumber_correction: f64,
     pub(super) wavenumber_deviation: f64,
 }
@@ -185,8 +179,6 @@ pub(super) fn estimate(
     }
     estimate.speed_rms_rad_s = Some(square_speed.sqrt());
     estimate.residual_rms_mnm = Some(solution.residual_rms);
-    estimate.torque_rms_mnm = Some(solution.torque_rms);
-    estimate.rows = solution.rows;
     match with_detents {
         Some(with_detents) => {
             estimate.wavenumber_correction = solution.coefficients[columns + 2];

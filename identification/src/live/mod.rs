@@ -253,7 +253,6 @@ impl LiveFit {
         );
         estimate.samples = self.samples;
         estimate.ignored_samples = self.ignored;
-        estimate.newest_s = self.newest_s;
         estimate.judge(&self.criterion);
         self.correct_period(&estimate);
         estimate

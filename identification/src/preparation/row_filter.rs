@@ -12,6 +12,7 @@ use super::motion::KnobMotion;
 use super::uniform::{Uniform, whole};
 use crate::numerics::fourier::Response;
 use crate::numerics::vector;
+use crate::samples::{FEWEST_SAMPLES, FitError};
 use crate::uncertainty::statistics::{rms, runs};
 
 /// Time around stick and reversals that is left out beyond the reach of the filters, s: the smoothed speed rises
@@ -165,6 +166,15 @@ impl RowFilter {
     pub(crate) fn sliding_speeds_rad_s(&self, motion: &KnobMotion) -> Vec<f64> {
         let rows = motion.velocity_rad_s.iter().zip(&self.mask).step_by(self.step);
         rows.filter(|(_, mask)| **mask > 0.0).map(|(velocity, _)| velocity.abs()).collect()
+    }
+
+    /// An error if the knob slides in too few samples for a fit.
+    pub(crate) fn checked(&self) -> Result<(), FitError> {
+        let samples = self.sliding();
+        if samples < FEWEST_SAMPLES / 2 {
+            return Err(FitError::HardlyMoving { threshold_rad_s: self.threshold_rad_s, samples });
+        }
+        Ok(())
     }
 
     /// Number of samples that the mask does not set to zero.

@@ -1,5 +1,7 @@
 //! Where the detents are, and what each of them takes.
 
+use identification::checks::rising_crossings;
+
 use super::spline::Spline;
 
 /// Steps between two detents at which a branch is looked at.
@@ -47,22 +49,9 @@ pub(super) fn rests(branches: [&Spline; 2], range: [f64; 2], pitch: f64) -> Vec<
     let mean = torque.iter().sum::<f64>() / torque.len() as f64;
     let torque: Vec<f64> = torque.iter().map(|torque| torque - mean).collect();
     let threshold = HYSTERESIS * std::f64::consts::SQRT_2 * identification::statistics::rms(&torque);
-    let mut rests = Vec::new();
-    let (mut low, mut candidate) = (false, None);
-    for (pair, at) in torque.windows(2).zip(at.windows(2)) {
-        if pair[0] < -threshold {
-            (low, candidate) = (true, None);
-        }
-        if low && pair[0] < 0.0 && pair[1] >= 0.0 {
-            candidate = Some(at[0] + (at[1] - at[0]) * pair[0] / (pair[0] - pair[1]));
-        }
-        if pair[1] > threshold
-            && let Some(at) = candidate.take()
-        {
-            rests.push(at);
-            low = false;
-        }
-    }
+    let step = (range[1] - range[0]) / (at.len() - 1) as f64;
+    let mut rests: Vec<f64> =
+        rising_crossings(&torque, threshold).into_iter().map(|place| range[0] + place * step).collect();
     rests.retain(|rest| (range[0] + MARGIN * pitch..=range[1] - MARGIN * pitch).contains(rest));
     rests
 }

@@ -165,7 +165,7 @@ fn phase_rad(structure: &Structure, capture: &Capture) -> Option<f64> {
 fn coarse(structure: &Structure, capture: &Capture, step_rad: f64) -> Option<f64> {
     let half = ((std::f64::consts::PI / step_rad) as usize).min(MOST_TRIED / 2);
     let places = of_angle(structure);
-    let rest = places.iter().rev().fold(structure.clone(), |rest, index| rest.without(*index));
+    let rest = structure.without_all(&places);
     let torques: Vec<_> = places.iter().map(|index| structure.effects[*index]).collect();
     let of_angle = Model { effects: torques, ..Model::default() };
     let target = residual(&rest, capture);

@@ -132,10 +132,7 @@ impl Capture {
             .iter_mut()
             .enumerate()
             .for_each(|(index, mask)| *mask *= stretches.weight(index / length.max(1)));
-        let sliding = row_filter.sliding();
-        if sliding < crate::FEWEST_SAMPLES / 2 {
-            return Err(FitError::HardlyMoving { threshold_rad_s: row_filter.threshold_rad_s, samples: sliding });
-        }
+        row_filter.checked()?;
         let torque = motion.alike(&uniform.torque_mnm, rate_hz).into_owned();
         let rate = gradient(&torque, rate_hz);
         let curvature = gradient(&rate, rate_hz);
@@ -229,8 +226,7 @@ impl Capture {
                 *mask = 0.0;
             }
         });
-        let (before, after) = (self.row_filter.sliding(), within.row_filter.sliding());
-        if after == before || after < crate::FEWEST_SAMPLES / 2 {
+        if within.row_filter.sliding() == self.row_filter.sliding() || within.row_filter.checked().is_err() {
             return None;
         }
         if let Some(rows) = &mut within.of_steps_rad_s2 {

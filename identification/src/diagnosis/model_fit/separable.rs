@@ -9,6 +9,7 @@ use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::kept::{Kept, Product, changed};
 use crate::diagnosis::model_fit::structure::{Searched, Structure};
 use crate::numerics::vector::{dot, subtract};
+use crate::regression::gram::Correction;
 use crate::regression::least_squares::{LeastSquares, residual};
 use crate::regression::refiner::{self, Ended, longest_improving};
 
@@ -87,12 +88,17 @@ impl<'a> Separable<'a> {
                 power * share
             });
         });
-        let columns: Vec<&[f64]> = self.columns().into_iter().chain(bend.iter().map(Vec::as_slice)).collect();
+        let powers = self.coefficients_beside(&bend, &self.target, &[]);
+        move |angle_rad| powers.iter().rev().fold(0.0, |sum, power_mnm| (sum + power_mnm) * share(angle_rad))
+    }
+
+    /// Coefficients of further columns, of which some are held, fitted to a target beside all else.
+    pub(crate) fn coefficients_beside(&self, more: &[Vec<f64>], target: &[f64], holds: &[Correction]) -> Vec<f64> {
+        let own = self.columns();
+        let columns: Vec<&[f64]> = own.iter().copied().chain(more.iter().map(Vec::as_slice)).collect();
         let mut nonnegative = self.structure.nonnegative();
         nonnegative.resize(columns.len(), false);
-        let solved = LeastSquares::held(&columns, &self.target, &nonnegative, &[]);
-        let powers = solved.coefficients[columns.len() - BEND..].to_vec();
-        move |angle_rad| powers.iter().rev().fold(0.0, |sum, power_mnm| (sum + power_mnm) * share(angle_rad))
+        LeastSquares::held(&columns, target, &nonnegative, holds).coefficients.split_off(own.len())
     }
 
     /// All columns' rows.

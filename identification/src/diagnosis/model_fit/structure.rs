@@ -92,6 +92,11 @@ impl Structure {
         [&effects::detent::KIND, &effects::unequal_detents::KIND].iter().any(|kind| self.position(kind.name).is_some())
     }
 
+    /// The structure without the effects at these indices.
+    pub(crate) fn without_all(&self, indices: &[usize]) -> Self {
+        indices.iter().rev().fold(self.clone(), |less, index| less.without(*index))
+    }
+
     /// Puts other detents in the place of the equal ones that there are.
     pub(crate) fn put_detent(&mut self, detent: Effect) {
         let places = self.effects.iter_mut().filter(|effect| std::ptr::eq(effect.kind(), detent.kind()));

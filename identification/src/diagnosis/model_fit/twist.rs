@@ -16,6 +16,7 @@ use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::unequal;
 use crate::numerics::fourier::Response;
+use crate::numerics::lag::lagged;
 use crate::preparation::motion::KnobMotion;
 
 /// Ratios by which a shaft's values are changed at first and at last.
@@ -138,18 +139,12 @@ fn behind(shaft: &Coupling, knob: &Structure, capture: &Capture) -> Capture {
 fn motion(shaft: &Coupling, delay_s: f64, capture: &Capture) -> KnobMotion {
     let mut motion = capture.motion.clone();
     let sides = [&mut motion.angle_rad, &mut motion.velocity_rad_s, &mut motion.acceleration_rad_s2];
-    // Torque on a spring beside a damper: the twist follows it with this time constant. The torque goes straight from sample to sample: held
-    // instead it would act half a sample off, and its noise seem smaller behind a shaft than it is.
-    let samples = shaft.damping * capture.rate_hz / shaft.stiffness_mnm_rad;
-    let kept = (-1.0 / samples).exp();
-    let from_before = (1.0 - kept) * samples;
+    // Torque on a spring beside a damper: the twist lags behind it. The torque goes straight from sample to sample: held instead it would act
+    // half a sample off, and its noise seem smaller behind a shaft than it is.
+    let lag = shaft.damping * capture.rate_hz / shaft.stiffness_mnm_rad;
     for (values, torque) in sides.into_iter().zip(capture.torques(delay_s).iter()) {
-        let (mut twist_mnm, mut before_mnm) = (0.0, torque.first().copied().unwrap_or(0.0));
-        for (value, torque_mnm) in values.iter_mut().zip(torque) {
-            twist_mnm = kept * twist_mnm + (from_before - kept) * before_mnm + (1.0 - from_before) * torque_mnm;
-            before_mnm = *torque_mnm;
-            *value -= twist_mnm / shaft.stiffness_mnm_rad;
-        }
+        let twists_mnm = lagged(torque, lag);
+        values.iter_mut().zip(twists_mnm).for_each(|(value, mnm)| *value -= mnm / shaft.stiffness_mnm_rad);
     }
     motion
 }

@@ -15,7 +15,7 @@ use crate::numerics::vector::dot;
 use crate::regression::characteristic::holds;
 use crate::regression::least_squares::LeastSquares;
 use crate::regression::refiner::{self, longest_improving};
-use crate::uncertainty::statistics::{deviation_of_sum, mean, student_95};
+use crate::uncertainty::statistics::{deviation_of_sum, interval, mean, student_95};
 
 /// Gauss–Newton steps.
 const STEPS: usize = 12;
@@ -138,7 +138,7 @@ pub(crate) fn detents(effect: &str, structure: &Structure, capture: &Capture) ->
         parts.iter().for_each(|(column, by)| derivatives[*column] += *by);
         let half = critical * deviation_of_sum(&covariance.matrix, &derivatives);
         let known = parts.iter().all(|(column, _)| !solved.collinear[*column]) && half.is_finite();
-        Value { value, unit, ci95: known.then_some([value - half, value + half]) }
+        Value { value, unit, ci95: known.then(|| interval(value, half)) }
     };
     let scene = capture.scene_of(structure);
     let each = (0..count).step_by(2).filter_map(|lobe| {

@@ -16,7 +16,7 @@ use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::null_test;
 use crate::regression::characteristic::{CharacteristicPoint, Spline, holds};
 use crate::regression::least_squares::LeastSquares;
-use crate::uncertainty::statistics::{NORMAL_95, false_discovery_rate};
+use crate::uncertainty::statistics::{NORMAL_95, false_discovery_rate, interval};
 
 /// Points of a spline that are tried: a scratch over a twentieth of the travel needs many.
 const POINTS: [u16; 4] = [8, 16, 32, 64];
@@ -81,10 +81,10 @@ impl Search<'_> {
 
     /// The fit with a torque that bends slowly along the angle.
     pub(crate) fn bent(&self, current: &Judged) -> Option<Judged> {
-        let finest = |spline: &Spline| {
-            spline.kind.name == effects::angle_characteristic::KIND.name && spline.period_rad.is_none()
-        };
-        let spline = all_splines(self.train).into_iter().rfind(finest)?;
+        let scene = self.train.scene();
+        let [.., finest] = POINTS;
+        let range = [scene.lowest_rad, scene.highest_rad];
+        let spline = Spline::new(&effects::angle_characteristic::KIND, range, finest, None)?;
         let mut best = current.clone();
         // Without the bend the detents stood elsewhere.
         for _ in 0..BEND_ROUNDS {
@@ -144,14 +144,9 @@ impl Search<'_> {
 
 /// The torques of a spline's points beside all that a fit has already, mNm.
 fn torques_mnm(spline: &Spline, present: &Separable<'_>, capture: &Capture) -> Vec<f64> {
-    let base = present.columns();
     let points = rows(spline, capture);
-    let columns: Vec<&[f64]> = base.iter().copied().chain(points.iter().map(Vec::as_slice)).collect();
-    let mut nonnegative = present.structure.nonnegative();
-    nonnegative.resize(columns.len(), false);
     let target = capture.target(present.structure.delay_s());
-    let solved = LeastSquares::held(&columns, &target, &nonnegative, &holds(base.len(), &points, |_| HELD));
-    solved.coefficients[base.len()..].to_vec()
+    present.coefficients_beside(&points, &target, &holds(present.columns().len(), &points, |_| HELD))
 }
 
 /// The points of a fitted spline with their intervals, the other effects being as they are.
@@ -164,7 +159,7 @@ fn points(spline: &Spline, judged: &Judged, rows: &[Vec<f64>]) -> Vec<Characteri
         let torque_mnm = table.map_or(0.0, |(scale, table)| scale * table.points_mnm()[index]);
         let half = NORMAL_95 * covariance[(index, index)].sqrt();
         let known = !solved.collinear[index] && half.is_finite();
-        CharacteristicPoint { at: *at, torque_mnm, ci95: known.then_some([torque_mnm - half, torque_mnm + half]) }
+        CharacteristicPoint { at: *at, torque_mnm, ci95: known.then(|| interval(torque_mnm, half)) }
     };
     spline.points.iter().enumerate().map(point).collect()
 }

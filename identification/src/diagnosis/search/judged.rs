@@ -261,7 +261,7 @@ fn residual_as_fitted(structure: &Structure, capture: &Capture) -> Vec<f64> {
         return nonlinear::residual(structure, capture);
     }
     let rows: Vec<Vec<f64>> = own.iter().flat_map(|index| capture.rows_of(structure, *index)).collect();
-    let rest = own.iter().rev().fold(structure.clone(), |rest, index| rest.without(*index));
+    let rest = structure.without_all(&own);
     let left = nonlinear::residual(&rest, capture);
     LeastSquares::held(&rows, &left, &vec![false; rows.len()], &[]).residual
 }

@@ -243,7 +243,7 @@ impl Search<'_> {
             }
             let readings_mnm = self.heldout.torque_mnm(structure.skew_s);
             let (model, motions) = (structure.model(), self.heldout.motions());
-            let errors = simulate::forward_windows(&model, 0.0, motions, &readings_mnm, FORWARD_WINDOW_S).ok()?;
+            let errors = simulate::forward_windows(&model, motions, &readings_mnm, FORWARD_WINDOW_S).ok()?;
             errors.angle_rms_rad.is_finite().then_some(errors.angle_rms_rad)
         };
         let (first, last) = rayon::join(|| predicted(first), || predicted(last));

@@ -4,7 +4,7 @@ use dynamics::{Effect, EffectKind, Part, Scene};
 use rayon::prelude::*;
 
 use super::coarse::Coarse;
-use super::{effect_at, grid};
+use super::starts;
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::nonlinear::Nonlinear;
 use crate::diagnosis::model_fit::sticking;
@@ -52,8 +52,7 @@ pub(crate) fn fitted<'a>(
 ) -> Option<Judged> {
     let hypothesis = kind.hypothesis?;
     let scene = Scene { is_faint: effort == Effort::Fine, ..train.scene_of(base) };
-    let grid = grid(kind, &hypothesis, &scene)?;
-    let effects: Vec<Effect> = grid.iter().map(|point| effect_at(kind, &hypothesis, point)).collect();
+    let effects = starts(kind, &scene)?;
     // The skew that the structure needed without the coupling tells nothing.
     let unskewed = Structure { skew_s: 0.0, shaft_is_simulated: false, ..base.clone() };
     if twist::is_shaft(kind) {
@@ -161,14 +160,9 @@ pub(crate) fn with_one_more(
             promising.push((coarse.gain_of(columns, &nonnegative).0, structure));
             continue;
         }
-        let starts = grid(kind, &hypothesis, &scene).unwrap_or_default();
-        let best = starts
-            .par_iter()
-            .map(|point| {
-                let mut effect = effect_at(kind, &hypothesis, point);
-                (coarse.gain_into(&mut effect, width), effect)
-            })
-            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let starts = starts(kind, &scene).unwrap_or_default();
+        let gains = starts.into_par_iter().map(|mut effect| (coarse.gain_into(&mut effect, width), effect));
+        let best = gains.max_by(|a, b| a.0.total_cmp(&b.0));
         promising.extend(best.map(|(gain, effect)| (gain, base.with(effect, width))));
     }
     promising.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -190,7 +184,6 @@ fn coupled_anew(structure: &Structure, captures: [&Capture; 2]) -> Option<Judged
     let of_coupling = |effect: &Effect| matches!(effect.kind().part, Part::Coupling(_) | Part::Stick(_));
     let kind = structure.effects.iter().find(|effect| matches!(effect.kind().part, Part::Coupling(_)))?.kind();
     let newest = structure.effects.last()?.kind();
-    let indices = (0..structure.effects.len()).rev().filter(|index| of_coupling(&structure.effects[*index]));
-    let bare = indices.fold(structure.clone(), |bare, index| bare.without(index));
-    fitted(kind, &bare, captures, Effort::Full)?.with_newest(newest.name)
+    let indices = (0..structure.effects.len()).filter(|index| of_coupling(&structure.effects[*index]));
+    fitted(kind, &structure.without_all(&indices.collect::<Vec<_>>()), captures, Effort::Full)?.with_newest(newest.name)
 }

@@ -5,7 +5,7 @@ pub(crate) mod coupled;
 pub(crate) mod separable;
 
 use dynamics::effects::{self, cogging};
-use dynamics::{Coordinate, Effect, EffectKind, Hypothesis, Part, Role, Scene};
+use dynamics::{Coordinate, Effect, EffectKind, Part, Role, Scene};
 
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::structure::Structure;
@@ -40,31 +40,22 @@ fn is_curve(kind: &EffectKind) -> bool {
         && !kind.depends_on.contains(&Coordinate::Time)
 }
 
-/// All combinations of the searched parameters' starts, the law occurring once; `None` if the capture cannot show one of
+/// An effect at all combinations of its searched parameters' starts, the law occurring once; `None` if the capture cannot show one of
 /// them.
-fn grid(kind: &EffectKind, hypothesis: &Hypothesis, scene: &Scene) -> Option<Vec<Vec<f64>>> {
-    let mut grid: Vec<Vec<f64>> = vec![Vec::new()];
+fn starts(kind: &'static EffectKind, scene: &Scene) -> Option<Vec<Effect>> {
+    let mut starts = vec![Effect::new(kind, &[])];
     let of_a_line = kind.parameters_of_a_line();
-    for search in hypothesis.searched.iter().filter(|search| search.parameter < of_a_line) {
+    for search in kind.searches().iter().filter(|search| search.parameter < of_a_line) {
         let values = search.values(scene);
-        if values.is_empty() {
-            return None;
-        }
-        grid = grid
-            .into_iter()
-            .flat_map(|point| values.iter().map(move |value| point.iter().copied().chain([*value]).collect()))
-            .collect();
+        let at = |start: Effect, value: f64| {
+            let mut start = start;
+            start.values_mut()[search.parameter] = value;
+            start
+        };
+        starts = starts.into_iter().flat_map(|start| values.iter().map(move |value| at(start, *value))).collect();
     }
     if kind.name == cogging::KIND.name {
-        grid.retain(|point| !cogging::is_of_the_detents(point[0], scene));
+        starts.retain(|start| !cogging::is_of_the_detents(start.values()[1], scene));
     }
-    Some(grid)
-}
-
-fn effect_at(kind: &'static EffectKind, hypothesis: &Hypothesis, point: &[f64]) -> Effect {
-    let mut effect = Effect::new(kind, &[]);
-    for (search, value) in hypothesis.searched.iter().zip(point) {
-        effect.values_mut()[search.parameter] = *value;
-    }
-    effect
+    (!starts.is_empty()).then_some(starts)
 }

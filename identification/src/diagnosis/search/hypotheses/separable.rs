@@ -5,7 +5,7 @@ use dynamics::{Effect, EffectKind, Part};
 use rayon::prelude::*;
 
 use super::coarse::Coarse;
-use super::{effect_at, grid};
+use super::starts;
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::nonlinear::Nonlinear;
 use crate::diagnosis::model_fit::separable::Separable;
@@ -27,11 +27,10 @@ pub(crate) fn fitted<'a>(
 ) -> Option<Judged> {
     let train = base.capture;
     let hypothesis = kind.hypothesis?;
-    let grid = grid(kind, &hypothesis, &train.scene_of(&base.structure))?;
+    let starts = starts(kind, &train.scene_of(&base.structure))?;
     let width = hypothesis.nested.last().copied().unwrap_or(kind.columns_of_a_line());
-    let coarse = (grid.len() > 1 && pointwise(kind)).then(|| Coarse::of(base));
-    let starts = grid.par_iter().map(|point| {
-        let effect = effect_at(kind, &hypothesis, point);
+    let coarse = (starts.len() > 1 && pointwise(kind)).then(|| Coarse::of(base));
+    let starts = starts.into_par_iter().map(|effect| {
         let gain = match (&coarse, kind.part) {
             (Some(coarse), _) => coarse.gain(&effect),
             (None, Part::ReadingDelay(delay)) => base.squares() - base.squares_if_late(delay(effect.values())),
@@ -102,11 +101,10 @@ fn with_a_line_more<'a>(fit: &Separable<'a>) -> Option<Separable<'a>> {
     let (kind, used) = (effect.kind(), effect.kind().parameters_in(columns));
     // The first line is the detents where there are none; others are found beside these.
     let may_have_more = used < kind.parameters.len() && fit.structure.has_detents();
-    let hypothesis = kind.hypothesis.filter(|hypothesis| hypothesis.lines > 1 && may_have_more)?;
+    kind.hypothesis.filter(|hypothesis| hypothesis.lines > 1 && may_have_more)?;
     let coarse = Coarse::of(fit);
-    let probes = grid(kind, &hypothesis, &fit.capture.scene_of(&fit.structure))?;
-    let probes = probes.iter().map(|point| effect_at(kind, &hypothesis, point));
-    let (_, probe) = probes.map(|probe| (coarse.gain(&probe), probe)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let probes = starts(kind, &fit.capture.scene_of(&fit.structure))?;
+    let (_, probe) = probes.into_iter().map(|probe| (coarse.gain(&probe), probe)).max_by(|a, b| a.0.total_cmp(&b.0))?;
     let mut more = effect;
     let each = kind.parameters_of_a_line();
     more.values_mut()[used..used + each].copy_from_slice(&probe.values()[..each]);
