@@ -158,10 +158,11 @@ pub fn average(fits: &[Fit]) -> Option<Average> {
     sums(&mut fit, fits);
     fit.notes = notes(fits, agreement, &repeatability);
     // A quasi-static fit has a detent for each sinusoid, of which the strongest comes first: the parameters are its values.
-    let is_first = |at: usize| fit.effects[..at].iter().all(|other| other.kind().name != fit.effects[at].kind().name);
-    let firsts: Vec<bool> = (0..fit.effects.len()).map(is_first).collect();
-    for (effect, _) in fit.effects.iter_mut().zip(firsts).filter(|(_, is_first)| *is_first) {
-        *effect = with_values(effect, &fit.parameters);
+    for at in 0..fit.effects.len() {
+        let (before, effect) = (&fit.effects[..at], &fit.effects[at]);
+        if before.iter().all(|other| other.kind().name != effect.kind().name) {
+            fit.effects[at] = with_values(effect, &fit.parameters);
+        }
     }
     fit.covariance = covariance(&mean);
     let own = statistics::mean(fits.iter().map(|one| one.mean_ci95_mnm));

@@ -95,13 +95,12 @@ pub struct Diagnosis {
     pub rows: [Vec<Row>; 2],
 }
 
-/// Share of the noise floor below which what is left contradicts it: a floor from the fewest rows that are believed is known to one part in
-/// nine.
+/// Share of the noise floor that the residual must reach: the fewest rows from which a floor is estimated determine it to one part in nine.
 const DOUBTFUL: f64 = 0.7;
 
 /// What is said of a noise floor that is doubtful.
-pub const FLOOR_IS_DOUBTFUL: &str = "The residual is below the noise floor, so the floor is wrong: it is measured while the knob rests, and more than noise acted there. Effects \
-     below that floor are not found: judge by the residual torque.";
+pub const FLOOR_IS_DOUBTFUL: &str = "The residual is below the noise floor, so the floor is wrong: it is measured while the knob rests, \
+     and more than noise acted there. Effects below that floor are not found: judge by the residual torque.";
 
 impl Diagnosis {
     /// Whether the model leaves so little that the noise floor cannot be what it is taken for.

@@ -42,12 +42,12 @@ pub(super) struct Omitted {
 /// show; and a note on the group that explains most of the residual, if that is much. `robust` is the covariance of the fit.
 pub(super) fn shifts(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> (Vec<Shift>, Option<String>) {
     let groups = groups(trimmed);
-    let separable = |omitted: &Omitted| Beside::of(omitted, trimmed).filter(|beside| beside.is_separable);
-    let beside = |group: &Group| group.columns.iter().filter_map(separable).collect();
+    let beside = |group: &Group| group.columns.iter().filter_map(|omitted| Beside::of(omitted, trimmed)).collect();
     let beside: Vec<Vec<Beside>> = groups.iter().map(beside).collect();
+    let separable: Vec<Vec<&Beside>> =
+        beside.iter().map(|group| group.iter().filter(|beside| beside.is_separable).collect()).collect();
     let solution = &trimmed.solution;
-    let each: Vec<Option<(Shift, f64)>> =
-        beside.iter().map(|group| shift(&group.iter().collect::<Vec<_>>(), solution, robust)).collect();
+    let each: Vec<Option<(Shift, f64)>> = separable.iter().map(|group| shift(group, solution, robust)).collect();
     let shares = groups.iter().zip(&each).filter_map(|(group, shift)| Some((&group.name, shift.as_ref()?.1)));
     let most = shares.max_by(|(_, one), (_, other)| one.total_cmp(other));
     let note = most.filter(|(_, share)| *share > WORTH_A_NOTE).map(|(name, share)| {
@@ -56,22 +56,23 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> (Vec<Shift
             100.0 * share
         )
     });
-    let all = shift(&beside.iter().flatten().collect::<Vec<_>>(), solution, robust);
+    let all = shift(&separable.concat(), solution, robust);
     let mut shifts: Vec<Shift> = each.into_iter().chain([all]).flatten().map(|(shift, _)| shift).collect();
     if trimmed.curves.is_none() {
         shifts.extend(rest_angle(trimmed, robust).into_iter().flatten());
     }
-    shifts.extend(unseen_delay(trimmed, robust));
+    // The delay is the last group.
+    let delay = beside.last().and_then(|group| group.first()).filter(|_| trimmed.delay.is_some());
+    shifts.extend(delay.and_then(|delay| unseen_delay(delay, trimmed, robust)));
     (shifts, note)
 }
 
 /// The shift of the estimates by a delay that the capture cannot show, as where a damper makes torque and velocity alike: channels that are
 /// read one after the other may be as late.
-fn unseen_delay(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<Shift> {
-    let omitted = Omitted { column: trimmed.delay.as_ref()?.column.clone(), is_beyond_friction: false };
-    let beside = Beside::of(&omitted, trimmed).filter(|beside| !beside.is_separable)?;
+fn unseen_delay(delay: &Beside, trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<Shift> {
     let delay_s = UNSEEN_DELAY_SAMPLES / trimmed.problem.row_filter.rate_hz;
-    Some(Shift { change: delay_s * beside.change, covariance: robust.clone(), is_of_better_model: false })
+    let change = delay_s * &delay.change;
+    (!delay.is_separable).then(|| Shift { change, covariance: robust.clone(), is_of_better_model: false })
 }
 
 /// The shifts of the estimates if a spring rests at either end of the travel. Where it rests is not known, and its constant torque looks like

@@ -187,6 +187,7 @@ pub(crate) fn friction(velocity: &[f64], [coulomb_negative, coulomb_positive, ne
         }
     });
 }
+
 /// Takes the directions of orthonormal columns out of another one.
 pub(crate) fn take_out(basis: &[Vec<f64>], column: &mut [f64]) {
     for known in basis {

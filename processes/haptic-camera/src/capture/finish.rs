@@ -29,7 +29,7 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::
         Ok(fitted) => {
             if let Err(error) = keep(&loaded, &fitted) {
                 remark(format!("{error:#}; the archive is kept: run `haptic-camera fit {archive}` to write them"));
-                outcome = outcome.worse(Outcome::Failed);
+                outcome = Outcome::Failed;
             }
             say(format!("view     haptic-camera view {archive}"));
             say("");
