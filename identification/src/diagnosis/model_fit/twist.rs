@@ -87,21 +87,16 @@ fn squares(effect: &Effect, base: &Structure, train: &Capture) -> Option<f64> {
     Some(log_noise_gain(&shaft, base, train).exp() * Separable::new(base.clone(), &capture).squares())
 }
 
-/// What the likelihood of the torque is less than that of the rows behind a shaft between two inertias, nats: the logarithm of what the rows
-/// were divided by.
+/// What the likelihood of the torque is less than that of the rows behind a shaft, nats: the logarithm of what the rows were divided by.
 ///
-/// Otherwise a resonance that is not there, sharp and between the two, would pay for itself by the noise that it takes out. Where all
-/// inertia is behind the shaft there is no such notch, and whether the noise is too loud for a stiff one shows better by the floor.
+/// Otherwise a sharp resonance that is not there would pay for itself by the noise that it takes out.
 pub(crate) fn noise_cost(structure: &Structure, capture: &Capture) -> f64 {
     let shaft = of(structure).and_then(|(_, effect)| shaft(&effect));
     shaft.map_or(0.0, |shaft| 0.5 * capture.weight * log_noise_gain(&shaft, structure, capture))
 }
 
-/// Mean over the band of the logarithm of the power by which the noise in a knob's rows is divided; zero if all of its inertia is behind the shaft.
+/// Mean over the band of the logarithm of the power by which the noise in a knob's rows is divided.
 fn log_noise_gain(shaft: &Coupling, knob: &Structure, capture: &Capture) -> f64 {
-    if shaft.inner_share == 1.0 {
-        return 0.0;
-    }
     let frequencies_hz = (0..LINES).map(|line| (line as f64 + 0.5) / LINES as f64 * capture.band.edge_hz);
     let logarithms = frequencies_hz.map(|hertz| Passed::at(hertz, shaft, knob.inertia(), capture).noise_power.ln());
     logarithms.sum::<f64>() / LINES as f64
