@@ -1,6 +1,7 @@
 //! One run of the rig that a command makes by itself, live or offline.
 
 use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
 
 use anyhow::Context as _;
 use archive::claim;
@@ -8,7 +9,7 @@ use rt_loop::request::{Pace, RigRequest, RunRequest};
 
 use crate::command_line::RigOptions;
 use crate::outcome::Outcome;
-use crate::supervision::{Interrupt, SupervisedRun};
+use crate::supervision::SupervisedRun;
 
 /// A run through a sweep with something else on the rig than a knob: `none`, or `locked`.
 pub fn request(on_it: &str, sweep: &str, duration_s: f64, pace: Pace, rig: RigRequest) -> RunRequest {
@@ -21,7 +22,7 @@ pub fn archive(
     request: RunRequest,
     rig: &RigOptions,
     purpose: &str,
-    interrupt: &Interrupt,
+    interrupted: &AtomicBool,
 ) -> anyhow::Result<(PathBuf, Outcome)> {
     let time = jiff::Zoned::now().strftime("%Y%m%d-%H%M%S");
     let folder = claim::folder(&rig.captures_in, &format!("{time}-{purpose}"))
@@ -38,5 +39,5 @@ pub fn archive(
     };
     let in_words = format!("{done} for {} s", request.duration_s);
     let archive = folder.join(format!("{}.mcap", request.knob_name()));
-    SupervisedRun::new(in_words, request, archive, rig.offline).complete(interrupt)
+    SupervisedRun::new(in_words, request, archive, rig.offline).complete(interrupted)
 }

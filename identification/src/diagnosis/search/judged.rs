@@ -6,7 +6,6 @@ use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::nonlinear::{self, Nonlinear};
 use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::diagnosis::model_fit::twist;
 use crate::numerics::vector::dot;
 use crate::regression::least_squares::{LeastSquares, residual};
 use crate::uncertainty::statistics::{mean_over_error, student_above};
@@ -53,10 +52,8 @@ impl Judged {
         let rms = |residual: &[f64], capture: &Capture| (dot(residual, residual) / capture.weight).sqrt();
         let train_rms_mnm = rms(&train_residual, train);
         let heldout_rms_mnm = rms(&heldout_residual, heldout);
-        let likelihood = |rms_mnm: f64, capture: &Capture| {
-            -capture.weight * rms_mnm.max(f64::MIN_POSITIVE).ln() - twist::noise_cost(&structure, capture)
-        };
-        let likelihood = likelihood(train_rms_mnm, train) + likelihood(heldout_rms_mnm, heldout);
+        let likelihood = -train.weight * train_rms_mnm.max(f64::MIN_POSITIVE).ln()
+            - heldout.weight * heldout_rms_mnm.max(f64::MIN_POSITIVE).ln();
         let inertia = structure.inertia();
         Self {
             // Where a servo pushes against a knob that sticks, rests are louder than the sensors; noise is everywhere.
