@@ -15,7 +15,7 @@ use rt_loop::request::{Pace, RunRequest};
 use crate::command_line::RigOptions;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{show_on, write};
-use crate::supervision::listen_for_interrupt;
+use crate::supervision::Interrupt;
 use crate::terminal::{self, digits, number};
 use crate::{load, rig_run};
 
@@ -98,8 +98,8 @@ fn capture(CalibrateOptions { what, pace, rig, .. }: &CalibrateOptions) -> anyho
             RunRequest { amplitude: Some(FAST_AMPLITUDE_RAD * travel), ..alone("fast-multisine", 10.0) }
         }
     };
-    let interrupted = listen_for_interrupt()?;
-    rig_run::archive(request, rig, &format!("calibrate-{}", what.subject()), &interrupted)
+    let interrupt = Interrupt::listen()?;
+    rig_run::archive(request, rig, &format!("calibrate-{}", what.subject()), &interrupt)
 }
 
 /// Writes the known calibration with the newly found values, in comments how well each is known and from where, and the

@@ -9,7 +9,7 @@ use rt_loop::request::{HandRequest, LONGEST_DURATION_S, Pace, RenderingRequest, 
 use crate::command_line::RunOptions;
 use crate::outcome::{Outcome, say};
 use crate::outputs::ResultFiles;
-use crate::supervision::{Archived, ModelStart, RunEnd, Shown, SupervisedRun, claim_archive, listen_for_interrupt};
+use crate::supervision::{Archived, Interrupt, ModelStart, RunEnd, Shown, SupervisedRun, claim_archive};
 use crate::verify;
 
 /// Length of an offline replay, which nobody can stop by hand, s.
@@ -72,9 +72,9 @@ const LISTED_MODELS: usize = 12;
 
 /// Renders a model from start to end and keeps what the hand did.
 pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
-    let interrupted = listen_for_interrupt()?;
+    let interrupt = Interrupt::listen()?;
     if options.verify {
-        return verify::run(options, &interrupted);
+        return verify::run(options, &interrupt);
     }
     let request = options.request();
     let claim = claim_archive(&options.run.out, request.knob_name(), "replay-")?;
@@ -82,7 +82,7 @@ pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
     let in_words = in_words(options, axis, &request);
     let run = SupervisedRun::new(in_words, request, claim.archive().to_owned(), options.run.offline);
     let run = SupervisedRun { viewer: options.run.viewer(), shown: Shown::Rendering, ..run };
-    match run.take(&interrupted)? {
+    match run.take(&interrupt)? {
         Some(end) => conclude(&run.archive, &end),
         None => Ok(Outcome::Failed),
     }

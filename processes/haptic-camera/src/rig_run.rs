@@ -1,7 +1,6 @@
 //! One run of the rig that a command makes by itself, live or offline.
 
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
 use anyhow::Context as _;
 use archive::claim;
@@ -9,7 +8,7 @@ use rt_loop::request::{Pace, RigRequest, RunRequest};
 
 use crate::command_line::RigOptions;
 use crate::outcome::Outcome;
-use crate::supervision::SupervisedRun;
+use crate::supervision::{Interrupt, SupervisedRun};
 
 /// A run through a sweep with something else on the rig than a knob: `none`, or `locked`.
 pub fn request(on_it: &str, sweep: &str, duration_s: f64, pace: Pace, rig: RigRequest) -> RunRequest {
@@ -22,7 +21,7 @@ pub fn archive(
     request: RunRequest,
     rig: &RigOptions,
     purpose: &str,
-    interrupted: &AtomicBool,
+    interrupt: &Interrupt,
 ) -> anyhow::Result<(PathBuf, Outcome)> {
     let time = jiff::Zoned::now().strftime("%Y%m%d-%H%M%S");
     let folder = claim::folder(&rig.captures_in, &format!("{time}-{purpose}"))
@@ -39,5 +38,5 @@ pub fn archive(
     };
     let in_words = format!("{done} for {} s", request.duration_s);
     let archive = folder.join(format!("{}.mcap", request.knob_name()));
-    SupervisedRun::new(in_words, request, archive, rig.offline).complete(interrupted)
+    SupervisedRun::new(in_words, request, archive, rig.offline).complete(interrupt)
 }

@@ -4,21 +4,18 @@
 //! locked gripper under a torque sweep; and both once more at 30 Hz, where the paper speaks of a lag.
 
 use std::io::IsTerminal as _;
-use std::os::fd::AsFd as _;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context as _;
 use clap::Args;
 use comfy_table::Table;
 use dynamics::Axis;
-use nix::poll::{PollFd, PollFlags, poll};
 use report::{ChannelDifference, ChannelLag};
 use rt_loop::request::{Pace, RunRequest};
 
 use crate::command_line::RigOptions;
 use crate::outcome::{Outcome, say};
 use crate::outputs::ResultFiles;
-use crate::supervision::listen_for_interrupt;
+use crate::supervision::Interrupt;
 use crate::terminal::table;
 use crate::{load, rig_run};
 
@@ -48,10 +45,10 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     };
     let free = |sweep: &str, duration_s| of("none", sweep, duration_s);
     let locked = |sweep: &str, duration_s| RunRequest { torque: true, ..of("locked", sweep, duration_s) };
-    let interrupted = listen_for_interrupt()?;
+    let interrupt = Interrupt::listen()?;
     let mut outcome = Outcome::Done;
     let mut made = |request, purpose| -> anyhow::Result<analysis::Commanded> {
-        let (archive, whole) = rig_run::archive(request, &options.rig, purpose, &interrupted)?;
+        let (archive, whole) = rig_run::archive(request, &options.rig, purpose, &interrupt)?;
         outcome = outcome.worse(whole);
         let loaded = load::load(&archive)?;
         let description = loaded.capture.description.as_ref().context("the run has no description")?;
@@ -60,7 +57,7 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     };
     let sweep = options.sweep.as_str();
     let spun = [made(free(sweep, SWEEP_S), "rig-test-free")?, made(free("tone", TONE_S), "rig-test-free-30-hz")?];
-    wait_until_locked(&options.rig, &interrupted)?;
+    wait_until_locked(&options.rig)?;
     let held =
         [made(locked(sweep, SWEEP_S), "rig-test-locked")?, made(locked("tone", TONE_S), "rig-test-locked-30-hz")?];
 
@@ -78,24 +75,16 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     Ok(outcome)
 }
 
-/// Time between two looks at whether the operator is ready, or has given up.
-const LOOK_MS: u16 = 100;
-
 /// Asks for the gripper to be locked, and waits for it where somebody can answer; the simulated rig locks its own.
-fn wait_until_locked(rig: &RigOptions, interrupted: &AtomicBool) -> anyhow::Result<()> {
+fn wait_until_locked(rig: &RigOptions) -> anyhow::Result<()> {
     if rt_loop::rigs::file(&rig.request)?.driver == "simulated" {
         return Ok(());
     }
     say("lock the gripper so that it cannot turn, then press Enter");
     let input = std::io::stdin();
-    let mut ready = [PollFd::new(input.as_fd(), PollFlags::POLLIN)];
-    if !input.is_terminal() {
-        return Ok(());
+    if input.is_terminal() {
+        input.read_line(&mut String::new()).context("the terminal cannot be read")?;
     }
-    while !matches!(poll(&mut ready, LOOK_MS), Ok(1..)) {
-        anyhow::ensure!(!interrupted.load(Ordering::Acquire), "stopped before the gripper was locked");
-    }
-    input.read_line(&mut String::new()).context("the terminal cannot be read")?;
     Ok(())
 }
 

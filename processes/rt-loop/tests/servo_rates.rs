@@ -21,18 +21,18 @@ fn plan(knob: &str, rate_hz: f64, further: &[&str]) -> Result<Plan, PlanError> {
     Plan::new(&Options::try_parse_from(arguments).unwrap().into())
 }
 
-/// Makes a run without a clock; the fault that ended it.
-fn fault(plan: Plan) -> Option<Fault> {
+/// Makes a run without a clock, of which the host serves every tick whose number `served_every` divides; the fault that ended it.
+fn fault(plan: Plan, served_every: u64) -> Option<Fault> {
     let Plan { mut apparatus, rig, control, .. } = plan;
     let mut state = ControlState::new(control, &rig.calibration).unwrap();
     apparatus.enable().unwrap();
     state.arm();
-    for tick in 0..control.planned_ticks {
-        if tick == 1_000 {
+    for tick in (0..control.planned_ticks).step_by(served_every as usize) {
+        if tick / served_every == 1_000 {
             assert!(state.request(Request::Start));
         }
         let measurement = apparatus.exchange((tick as f64 * 1e9 / control.rate_hz).round() as u64, 0.0);
-        let output = state.step(&Reading { elapsed_ticks: 1, measurement });
+        let output = state.step(&Reading { elapsed_ticks: served_every, measurement });
         let _ = apparatus.write_torque(output.torque_mnm);
     }
     state.fault()
@@ -47,11 +47,21 @@ fn no_rate_that_is_accepted_makes_the_servo_shake_one_of_the_papers_knobs() {
                 println!("knob {knob} at {rate_hz} Hz: refused");
                 continue;
             };
-            let fault = fault(plan);
+            let fault = fault(plan, 1);
             println!("knob {knob} at {rate_hz} Hz: {fault:?}");
             // A slow servo is soft: it may fall behind a knob that takes much torque, but it does not shake it.
             let lags = rate_hz < FAST_HZ && fault == Some(Fault::FollowingError);
             assert!(fault.is_none() || lags, "knob {knob} at {rate_hz} Hz: {fault:?}");
+        }
+    }
+}
+
+#[test]
+fn a_host_that_misses_most_ticks_does_not_make_the_servo_shake_the_knob() {
+    for (rate_hz, most) in [(5_000.0, 8), (10_000.0, 8), (20_000.0, 6)] {
+        for served_every in 2..=most {
+            let fault = fault(plan("3", rate_hz, &["--duration-s=6"]).unwrap(), served_every);
+            assert_eq!(fault, None, "every {served_every} at {rate_hz} Hz");
         }
     }
 }

@@ -14,7 +14,7 @@ use rt_loop::request::RunRequest;
 use crate::command_line::RunOptions;
 use crate::outcome::Outcome;
 use crate::outputs::ResultFiles;
-use crate::supervision::{Shown, SupervisedRun, claim_archive, listen_for_interrupt};
+use crate::supervision::{Interrupt, Shown, SupervisedRun, claim_archive};
 use crate::until_ci::Share;
 pub(crate) use next::Budget;
 
@@ -65,16 +65,16 @@ pub struct CaptureOptions {
 /// Runs a capture from start to end, or capture after capture until the knob's effects have names or
 /// the verdict on it is certain.
 pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
-    let interrupted = listen_for_interrupt()?;
+    let interrupt = Interrupt::listen()?;
     if options.diagnose {
-        return series::until_named(options, &interrupted);
+        return series::until_named(options, &interrupt);
     }
     if let Some(spec) = &options.spec {
-        return series::until_certain(options, spec, &interrupted);
+        return series::until_certain(options, spec, &interrupt);
     }
     let claim = claim_archive(&options.run.out, options.request.knob_name(), "")?;
     let run = supervised(options, &claim);
-    match run.take(&interrupted)? {
+    match run.take(&interrupt)? {
         Some(end) => finish::conclude(&run.archive, &end, options.request.duration_s),
         None => Ok(Outcome::Failed),
     }

@@ -1,8 +1,6 @@
 //! Capture after capture, until one name is left for what the knob lacks, or the verdict on it is certain.
 
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use archive::testers::Curve;
 use identification::diagnosis::Diagnosis;
@@ -16,16 +14,13 @@ use super::next::{Experiment, Next, next};
 use super::{finish, supervised};
 use crate::outcome::{Outcome, remark, say, show};
 use crate::outputs::{ResultFiles, kind, show_on, write};
-use crate::supervision::{claim_archive, ending_signals};
+use crate::supervision::{Interrupt, claim_archive};
 use crate::{diagnose, diagnosis_text, judge};
 
 /// The motion that is held out, unless it is the sweep asked for …
 const HELD_OUT: &str = "multisine";
 /// … and what is then held out.
 const HELD_OUT_OF_MULTISINE: &str = "stepped-amplitude";
-
-/// Exit status of a diagnosis that was stopped: failed.
-const STOPPED: i32 = 1;
 
 /// A finished capture and the motion that it was made with.
 struct Taken {
@@ -36,7 +31,7 @@ struct Taken {
 /// Captures that are made one after the other.
 struct Series<'run> {
     options: &'run CaptureOptions,
-    interrupted: &'run AtomicBool,
+    interrupt: &'run Interrupt,
     made: u64,
     /// The worst outcome of any of them.
     worst: Outcome,
@@ -46,19 +41,14 @@ struct Series<'run> {
 const TURN: (&str, f64) = ("slow-turn", 15.0);
 
 /// Turns the knob until its missing effects have names that nothing rivals, or the budget is spent.
-pub(super) fn until_named(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow::Result<Outcome> {
+pub(super) fn until_named(options: &CaptureOptions, interrupt: &Interrupt) -> anyhow::Result<Outcome> {
     if let Some(reach) = options.reach {
         anyhow::ensure!(reach.is_finite() && reach > 0.0, "--reach is {reach} rad, but it must be greater than zero");
-    }
-    // While the rig rests and a diagnosis is under way there is nothing to end in order.
-    let at_rest = Arc::new(AtomicBool::new(false));
-    for signal in ending_signals() {
-        signal_hook::flag::register_conditional_shutdown(signal, STOPPED, Arc::clone(&at_rest))?;
     }
     let held_out = if options.request.sweep == HELD_OUT { HELD_OUT_OF_MULTISINE } else { HELD_OUT };
     let experiment = |sweep: &str| Experiment { sweep: sweep.to_owned(), amplitude_rad: options.request.amplitude };
     let first = [options.request.sweep.as_str(), held_out].map(experiment);
-    let mut series = Series { options, interrupted, made: 0, worst: Outcome::Done };
+    let mut series = Series { options, interrupt, made: 0, worst: Outcome::Done };
     let mut taken: Vec<Taken> = Vec::new();
     for experiment in first {
         match series.add(experiment)? {
@@ -68,9 +58,7 @@ pub(super) fn until_named(options: &CaptureOptions, interrupted: &AtomicBool) ->
     }
     let mut before: Option<Diagnosis> = None;
     loop {
-        at_rest.store(true, Ordering::Release);
         let found = diagnosed(options, taken.iter().map(|one| &one.loaded).collect(), before.as_ref());
-        at_rest.store(false, Ordering::Release);
         let found = match (found, before.take()) {
             (Ok(found), _) => found,
             (Err(error), Some(before)) => {
@@ -82,7 +70,7 @@ pub(super) fn until_named(options: &CaptureOptions, interrupted: &AtomicBool) ->
         };
         let made: Vec<Experiment> = taken.iter().map(|one| one.experiment.clone()).collect();
         let next = match next(&found, &made, options.request.duration_s, options.budget) {
-            _ if interrupted.load(Ordering::Acquire) => None,
+            _ if interrupt.is_noted() => None,
             Next::Experiment(experiment, [one, other]) => {
                 say("");
                 say(format!("capture {}: to discriminate between {one} and {other}", taken.len() + 1));
@@ -117,15 +105,11 @@ pub(super) fn until_named(options: &CaptureOptions, interrupted: &AtomicBool) ->
 }
 
 /// Turns or presses the unit until it passes or fails, or the turns are spent.
-pub(super) fn until_certain(
-    options: &CaptureOptions,
-    spec: &Path,
-    interrupted: &AtomicBool,
-) -> anyhow::Result<Outcome> {
+pub(super) fn until_certain(options: &CaptureOptions, spec: &Path, interrupt: &Interrupt) -> anyhow::Result<Outcome> {
     let specification = analysis::load_specification(spec)?;
     let mut options = options.clone();
     options.request.duration_s = TURN.1;
-    let mut series = Series { options: &options, interrupted, made: 0, worst: Outcome::Done };
+    let mut series = Series { options: &options, interrupt, made: 0, worst: Outcome::Done };
     let mut curves: Vec<Curve> = Vec::new();
     let mut verdict = Verdict::Undecided;
     while verdict == Verdict::Undecided && curves.len() < options.turns as usize {
@@ -160,9 +144,9 @@ impl Series<'_> {
         }
         let claim = claim_archive(&options.run.out, options.request.knob_name(), "")?;
         let run = supervised(&options, &claim);
-        let Some(end) = run.take(self.interrupted)? else { return Ok(Err(None)) };
+        let Some(end) = run.take(self.interrupt)? else { return Ok(Err(None)) };
         let Some((loaded, outcome)) = finish::read_back(&run.archive, &end)? else { return Ok(Err(None)) };
-        if outcome == Outcome::Failed || self.interrupted.load(Ordering::Acquire) {
+        if outcome == Outcome::Failed || self.interrupt.is_noted() {
             return Ok(Err(Some(outcome)));
         }
         self.made += 1;

@@ -11,7 +11,7 @@ use super::torque_request;
 use crate::command_line::RigOptions;
 use crate::outcome::{Outcome, remark, show};
 use crate::outputs::write_json;
-use crate::supervision::listen_for_interrupt;
+use crate::supervision::Interrupt;
 use crate::terminal::table;
 use crate::{load, rig_run};
 
@@ -32,11 +32,11 @@ pub struct RigCheckOptions {
 }
 
 pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
-    let interrupted = listen_for_interrupt()?;
+    let interrupt = Interrupt::listen()?;
     let folder = tempfile::tempdir()?;
     let request = torque_request(&options.file, options.rate_hz, options.duration_s)?;
     let rig = RigOptions { request: request.rig.clone(), offline: false, captures_in: folder.path().to_owned() };
-    let (archive, _) = rig_run::archive(request, &rig, "rig-check", &interrupted)?;
+    let (archive, _) = rig_run::archive(request, &rig, "rig-check", &interrupt)?;
     let capture = load::load(&archive)?.capture;
     let axis = capture.axis;
     let mut found = RigCheck::of(&capture);

@@ -22,7 +22,7 @@ use super::torque_request;
 use crate::command_line::RigOptions;
 use crate::outcome::{Outcome, remark, say};
 use crate::outputs::write;
-use crate::supervision::{EndedInFault, listen_for_interrupt};
+use crate::supervision::{EndedInFault, Interrupt};
 use crate::terminal::digits;
 use crate::{load, rig_run};
 
@@ -69,7 +69,7 @@ const VAGUE_SHARE: f64 = 0.2;
 
 /// Turns the rig, more with every try, until its inertia is known, and writes it into the rig's file.
 pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
-    let interrupted = listen_for_interrupt()?;
+    let interrupt = Interrupt::listen()?;
     let request = torque_request(&options.file, options.rate_hz, TRY_S)?;
     let file = rt_loop::rigs::file(&request.rig)?;
     let limit_mnm = file.limits.map(|limits| limits.motor_torque_mnm);
@@ -85,7 +85,7 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     loop {
         say(axis.words(&format!("trying   {amplitude_mnm:.3} mNm")));
         let tried = RunRequest { sweep: sweep.to_owned(), amplitude: Some(amplitude_mnm), ..request.clone() };
-        let archive = match rig_run::archive(tried, &rig, "rig-commission", &interrupted) {
+        let archive = match rig_run::archive(tried, &rig, "rig-commission", &interrupt) {
             Ok((archive, _)) => archive,
             Err(error) if too_far < TOO_FAR && fault_of(&error) == Some(Fault::Angle) => {
                 too_far += 1;

@@ -16,7 +16,7 @@ use self::commission::RigCommissionOptions;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{kind, write};
 use crate::rig_run;
-use crate::supervision::{listen_for_interrupt, program};
+use crate::supervision::{Interrupt, program};
 
 #[derive(Debug, Subcommand)]
 pub enum RigCommand {
@@ -91,9 +91,11 @@ fn list() -> anyhow::Result<Outcome> {
 
 /// Lists the devices at a target, and writes a rig file for them.
 fn scan(options: &RigScanOptions) -> anyhow::Result<Outcome> {
-    let interrupted = listen_for_interrupt()?;
-    let stop = || interrupted.load(Ordering::Relaxed);
-    let found = rt_loop::rigs::scan(&rt_loop::rigs::ALL, &options.target, &stop)?;
+    let interrupt = Interrupt::listen()?;
+    let found = interrupt.noted_during(|noted| {
+        let stop = || noted.load(Ordering::Relaxed);
+        rt_loop::rigs::scan(&rt_loop::rigs::ALL, &options.target, &stop)
+    })?;
     found.lines.iter().for_each(say);
     if let Some(out) = &options.out {
         let text = found.rig_file.as_ref();

@@ -2,12 +2,12 @@
 
 mod child;
 mod consumers;
+mod interrupt;
 mod loop_link;
 mod progress;
 mod run_end;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -18,7 +18,6 @@ use rt_loop::request::RunRequest;
 use shared_types::clean_up::files_in_shared_memory;
 use shared_types::fault_injection::{self, FaultInjection};
 use shared_types::{CommandKind, Fault, LoopState, ProcessKind, RunDescription, realtime, rig};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use crate::outcome::{Outcome, remark, say};
 use crate::until_ci::{Share, StopRule, estimate_of};
@@ -26,6 +25,7 @@ use crate::{large_job, offline_run};
 use child::Child;
 pub(crate) use child::{program, program_path};
 use consumers::Consumers;
+pub(crate) use interrupt::Interrupt;
 use loop_link::LoopLink;
 pub(crate) use loop_link::unsent;
 use progress::Progress;
@@ -95,7 +95,11 @@ impl SupervisedRun {
     }
 
     /// Makes the run and its archive; `None` when the control loop itself said why it cannot run.
-    pub(crate) fn take(&self, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
+    pub(crate) fn take(&self, interrupt: &Interrupt) -> anyhow::Result<Option<RunEnd>> {
+        interrupt.noted_during(|interrupted| self.take_until(interrupted))
+    }
+
+    fn take_until(&self, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
         if self.offline {
             say(format!("{}, offline", self.in_words));
             return offline_run::archive(&self.request, &self.archive, interrupted, self.until).map(Some);
@@ -120,9 +124,9 @@ impl SupervisedRun {
     }
 
     /// Makes a run that further work rests on, to its planned end; gives its archive, and whether data was lost.
-    pub(crate) fn complete(&self, interrupted: &AtomicBool) -> anyhow::Result<(PathBuf, Outcome)> {
+    pub(crate) fn complete(&self, interrupt: &Interrupt) -> anyhow::Result<(PathBuf, Outcome)> {
         let Self { in_words, archive, .. } = self;
-        let end = self.take(interrupted)?.ok_or(LoopSaidWhy)?;
+        let end = self.take(interrupt)?.ok_or(LoopSaidWhy)?;
         let folder = archive.parent().unwrap_or(archive).display();
         anyhow::ensure!(!end.interrupted, "stopped by the operator; what was captured so far is in {folder}");
         if let Some(words) = end.fault_words() {
@@ -293,26 +297,4 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
         );
         std::thread::sleep(CYCLE);
     }
-}
-
-/// Ctrl-C, SIGTERM and, unless this program was started to outlive its terminal (`nohup`), the terminal's end.
-pub(crate) fn ending_signals() -> Vec<i32> {
-    [SIGINT, SIGTERM].into_iter().chain((!is_ignored(SIGHUP)).then_some(SIGHUP)).collect()
-}
-
-/// Set by the signals that end a run in order.
-pub(crate) fn listen_for_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    for signal in ending_signals() {
-        signal_hook::flag::register(signal, Arc::clone(&interrupted))?;
-    }
-    Ok(interrupted)
-}
-
-/// Whether whoever started this program has it ignore a signal (proc(5)).
-fn is_ignored(signal: i32) -> bool {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
-    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }

@@ -2,8 +2,6 @@
 
 mod table;
 
-use std::sync::atomic::AtomicBool;
-
 use analysis::{RenderedCaptures, holding_torque_mnm};
 use anyhow::Context as _;
 use archive::claim;
@@ -19,7 +17,7 @@ use rt_loop::stability::driving_speed_rad_s;
 use crate::load;
 use crate::outcome::{Outcome, show};
 use crate::replay::ReplayOptions;
-use crate::supervision::{Shown, SupervisedRun, archive_stem};
+use crate::supervision::{Interrupt, Shown, SupervisedRun, archive_stem};
 
 /// Grip of the hand that turns the knob, in usual ones: one that holds a knob firmly.
 const GRIP: f64 = 6.0;
@@ -37,7 +35,7 @@ const CREEP: (f64, f64) = (0.1, 15.0);
 const HOLD_S: f64 = 10.0;
 
 /// Verifies a rendering and tells the result; failed if the rendered knob is not the model's.
-pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<Outcome> {
+pub fn run(options: &ReplayOptions, interrupt: &Interrupt) -> anyhow::Result<Outcome> {
     let mut asked = options.request();
     // The model that is to be felt: the one asked for, or the nearest to it that the rig renders.
     let model = Plan::new(&asked)?.rendering.context("no model is rendered")?.model;
@@ -52,7 +50,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
             let in_words = format!("rendering {} for the {name}, {duration_s} s", model.name);
             let archive = folder.join(format!("{name}.mcap"));
             let run = SupervisedRun::new(in_words, asked.clone(), archive, options.run.offline);
-            let (archive, outcome) = SupervisedRun { shown: Shown::Rendering, ..run }.complete(interrupted)?;
+            let (archive, outcome) = SupervisedRun { shown: Shown::Rendering, ..run }.complete(interrupt)?;
             whole = whole.worse(outcome);
             // Once is enough.
             asked.rendering.iter_mut().for_each(|rendering| rendering.without_remarks = true);

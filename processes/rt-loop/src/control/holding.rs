@@ -62,7 +62,7 @@ impl Holding<'_> {
                 let measurement = Measurement { angle_rad, torque_mnm, ..Measurement::default() };
                 let velocity_rad_s = (angle_rad - before_rad) / step_s;
                 before_rad = angle_rad;
-                let command = servo.torque_mnm(&Setpoint::default(), &measurement, velocity_rad_s, step_s);
+                let command = servo.torque_mnm(&Setpoint::default(), &measurement, velocity_rad_s, 1);
                 shaft.turn(command, step_s);
                 *largest_rad = largest_rad.max(shaft.rotor_rad.abs());
             }

@@ -343,8 +343,7 @@ impl ControlState {
     }
 
     fn follow(&mut self, setpoint: &Setpoint, measurement: &Measurement, elapsed_ticks: u64) -> f64 {
-        let step_s = self.seconds(elapsed_ticks);
-        self.servo.torque_mnm(setpoint, measurement, self.tracked.difference_rad_s(), step_s)
+        self.servo.torque_mnm(setpoint, measurement, self.tracked.difference_rad_s(), elapsed_ticks)
             + self.against_cogging_mnm(measurement)
     }
 
