@@ -131,6 +131,29 @@ fn a_ctrl_c_in_a_diagnosis_keeps_every_capture_whole() {
 }
 
 #[test]
+fn a_ctrl_c_while_the_rig_rests_ends_the_command_at_once() {
+    let bench = Bench::new().unwrap();
+    let arguments = ["capture", "--diagnose", "--offline", "--knob", "2", "--duration-s", "6", "--out", "out"];
+    let mut child = bench.start(&arguments).unwrap();
+    let whole = || {
+        let entries = std::fs::read_dir(bench.path("out")).into_iter().flatten().flatten();
+        let captures = entries.filter_map(|entry| Capture::load(&entry.path()).ok());
+        captures.filter(|capture| capture.tick.last() == Some(&59_999)).count()
+    };
+    while whole() < 2 {
+        assert_eq!(child.try_wait().unwrap(), None, "two captures are made");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    // The diagnosis of the two takes seconds.
+    std::thread::sleep(Duration::from_millis(300));
+    kill(Pid::from_raw(i32::try_from(child.id()).unwrap()), Signal::SIGINT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
+    assert!(!printed(&output).contains("diagnosis.toml"), "{}", printed(&output));
+    assert_eq!((whole(), bench.leftovers()), (2, Vec::new()));
+}
+
+#[test]
 fn a_torque_sweep_on_a_knob_that_holds_is_measured_as_commanded() {
     let bench = Bench::new().unwrap();
     let arguments =
