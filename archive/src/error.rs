@@ -94,7 +94,7 @@ pub enum ArchiveError {
         path: PathBuf,
     },
     /// The table is none of a capture.
-    #[error("{}: {error}", path.display())]
+    #[error("{}: {error}{}", path.display(), remedy(error))]
     Table {
         /// The file.
         path: PathBuf,
@@ -242,6 +242,14 @@ pub enum ArchiveError {
         /// The place for the whole archive.
         path: PathBuf,
     },
+}
+
+/// What to do about a table of other columns.
+fn remedy(error: &TableError) -> &'static str {
+    match error {
+        TableError::Header { .. } => "; name other columns, as in time=NAME,angle=NAME,torque=NAME",
+        _ => "",
+    }
 }
 
 impl ArchiveError {
