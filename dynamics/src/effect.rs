@@ -1,6 +1,6 @@
 //! An effect of one knob: its kind, and the values of its parameters.
 
-use crate::{Direction, EffectKind, MAX_PARAMETERS, Motion, ParameterKind, Part, TorqueTable};
+use crate::{Direction, EffectKind, MAX_PARAMETERS, Minimum, Motion, ParameterKind, Part, Search, TorqueTable};
 
 /// An effect with its values on one knob.
 ///
@@ -83,6 +83,21 @@ impl Effect {
     pub fn parameters(&self) -> impl Iterator<Item = (&'static ParameterKind, f64)> + '_ {
         let occurring = self.kind.parameters_of_a_line() * self.lines();
         self.kind.parameters.iter().zip(self.values().iter().copied()).take(occurring)
+    }
+
+    /// Whether a parameter does not occur, since it is zero where a file may leave it out.
+    #[must_use]
+    pub fn is_absent(&self, parameter: usize) -> bool {
+        self.kind().parameters[parameter].minimum == Minimum::ZeroOrAbsent && self.values()[parameter] == 0.0
+    }
+
+    /// The searches among the parameters of these columns, but for what is absent or follows another effect's; none without a hypothesis.
+    pub fn free_searches(&self, columns: usize) -> impl Iterator<Item = &'static Search> + '_ {
+        let used = self.kind().parameters_in(columns);
+        let is_free = move |search: &&Search| {
+            search.same_as.is_none() && search.parameter < used && !self.is_absent(search.parameter)
+        };
+        self.kind().searches().iter().filter(is_free)
     }
 
     /// Number of its columns in a fit, of the lines that occur.

@@ -90,12 +90,6 @@ impl EffectKind {
     pub fn searches(&self) -> &'static [Search] {
         self.hypothesis.map_or(&[], |hypothesis| hypothesis.searched)
     }
-
-    /// The searches among these parameters, but for what follows another effect's; none without a hypothesis.
-    pub fn free_searches(&self, columns: usize) -> impl Iterator<Item = &'static Search> + use<> {
-        let used = self.parameters_in(columns);
-        self.searches().iter().filter(move |search| search.same_as.is_none() && search.parameter < used)
-    }
 }
 
 /// A quantity on which an effect may depend.
@@ -140,6 +134,8 @@ pub enum Minimum {
     None,
     /// Zero or more.
     Zero,
+    /// Zero or more; zero where a file leaves it out.
+    ZeroOrAbsent,
     /// More than zero.
     AboveZero,
     /// More than zero and less than one.
@@ -153,7 +149,7 @@ impl Minimum {
         value.is_finite()
             && match self {
                 Self::None => true,
-                Self::Zero => value >= 0.0,
+                Self::Zero | Self::ZeroOrAbsent => value >= 0.0,
                 Self::AboveZero => value > 0.0,
                 Self::ShareOfOne => value > 0.0 && value < 1.0,
             }
@@ -164,7 +160,7 @@ impl Minimum {
     pub fn requirement(self) -> &'static str {
         match self {
             Self::None => "a finite number",
-            Self::Zero => "zero or more, and finite",
+            Self::Zero | Self::ZeroOrAbsent => "zero or more, and finite",
             Self::AboveZero => "more than zero, and finite",
             Self::ShareOfOne => "more than zero and less than one",
         }

@@ -108,7 +108,7 @@ impl<'model> InnerBody<'model> {
         if coupling.half_gap_rad > 0.0 {
             return body;
         }
-        let angle_rad = cap.angle_rad - torque_mnm / coupling.stiffness_mnm_rad;
+        let angle_rad = cap.angle_rad - (torque_mnm - body.cap_mnm(cap)) / coupling.stiffness_mnm_rad;
         Self { angle_rad, velocity_rad_s: cap.velocity_rad_s, ..body }
     }
 

@@ -33,6 +33,7 @@ fn a_wrong_model_file_gets_one_sentence_that_names_what_is_wrong() {
         ),
         ("[[effects]]\neffect = \"inertia\"\ninertia = nan\n", "must be zero or more, and finite"),
         ("[[effects]]\neffect = \"inertia\"\n", "lacks 'inertia'"),
+        ("[[effects]]\neffect = \"shaft-compliance\"\nshaft_stiffness = 1.0\n", "lacks 'shaft_damping'"),
         ("[[effects]]\neffect = \"inertia\"\ninertia = 1\nmass = 2\n", "has no parameter 'mass'"),
         ("name = \"empty\"\n", "has no [[effects]]"),
         ("colour = 3\n", "'colour' is not part of a model"),

@@ -1,8 +1,13 @@
-//! A shaft that twists between sensor and knob.
+//! A shaft that twists between the sensor and what friction and detents act on.
 
-use crate::{Coordinate, Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Scene, Search};
+use crate::{Coordinate, Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Search};
 
-/// `shaft-compliance`: the knob turns on a torsional spring and damper; see [`crate::Coupling`].
+/// Index of the share of inertia in front of the shaft among the parameters.
+pub const OUTER_SHARE: usize = 2;
+/// Largest share of the inertia that is looked for on either side.
+pub const LARGEST_SHARE: f64 = 0.98;
+
+/// `shaft-compliance`: all of the knob, or what a share leaves of it, turns on a torsional spring and damper; see [`crate::Coupling`].
 pub static KIND: EffectKind = EffectKind {
     name: "shaft-compliance",
     description: "a torsional spring between the sensor and the knob, which therefore resonates",
@@ -24,10 +29,17 @@ pub static KIND: EffectKind = EffectKind {
             description: "torque per rate of twist",
             minimum: Minimum::Zero,
         },
+        ParameterKind {
+            name: "shaft_outer_share",
+            unit: "1",
+            symbol: "ν",
+            description: "share of the inertia on the sensor's side of the shaft; zero if left out",
+            minimum: Minimum::ZeroOrAbsent,
+        },
     ],
     part: Part::Coupling(|values| Coupling {
         half_gap_rad: 0.0,
-        inner_share: 1.0,
+        inner_share: 1.0 - values[OUTER_SHARE],
         stiffness_mnm_rad: values[0],
         damping: values[1],
     }),
@@ -43,7 +55,19 @@ pub static KIND: EffectKind = EffectKind {
                 logarithmic: true,
                 ..Search::PLAIN
             },
-            Search { parameter: 1, range: Scene::coupling_dampings, starts: |_| 1, logarithmic: true, ..Search::PLAIN },
+            Search {
+                parameter: 1,
+                range: |scene| scene.coupling_dampings(1.0),
+                starts: |_| 1,
+                logarithmic: true,
+                ..Search::PLAIN
+            },
+            Search {
+                parameter: OUTER_SHARE,
+                range: |_| Some((1.0 - LARGEST_SHARE, LARGEST_SHARE)),
+                starts: |_| 3,
+                ..Search::PLAIN
+            },
         ],
         ..Hypothesis::PLAIN
     }),

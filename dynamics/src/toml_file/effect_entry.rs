@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::ModelError;
-use crate::{Axis, Effect, EffectKind, Part, TableUse, TorqueTable, effects};
+use crate::{Axis, Effect, EffectKind, Minimum, Part, TableUse, TorqueTable, effects};
 
 const NAME: &str = "effect";
 const ORIGIN: &str = "origin";
@@ -65,7 +65,7 @@ pub(super) fn parse(entry: &toml::Table, axis: Axis, origin: &str) -> Result<Eff
         let value = match entry.get(parameter.name) {
             // A table is as drawn unless the file says otherwise.
             None if drawn.is_some() => 1.0,
-            None if index >= kind.parameters_of_a_line() => 0.0,
+            None if index >= kind.parameters_of_a_line() || parameter.minimum == Minimum::ZeroOrAbsent => 0.0,
             None => return Err(reader.wrong(&format!("lacks '{}'", parameter.name))),
             Some(value) => number(value).ok_or_else(|| reader.wrong(&not_a_number(parameter.name)))?,
         };

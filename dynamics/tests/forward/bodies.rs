@@ -77,10 +77,13 @@ fn a_shaft_turned_at_an_end_without_inertia_twists_as_spring_and_damper() {
 #[test]
 fn gripper_and_knob_swing_against_each_other_on_a_shaft() {
     let (inertia, gripper, stiffness, torque) = (0.05, 0.004, 500.0, 3.0);
+    let whole = inertia + gripper;
     let knob = model(&[("inertia", &[inertia]), ("shaft-compliance", &[stiffness, 0.0])]);
-    let reduced = inertia * gripper / (inertia + gripper);
+    let with_its_cap = model(&[("inertia", &[whole]), ("shaft-compliance", &[stiffness, 0.0, gripper / whole])]);
+    let reduced = inertia * gripper / whole;
     let omega = (stiffness / reduced).sqrt();
-    for motion in driven(&knob, gripper, 0.1, |_| torque) {
+    let motions = [driven(&knob, gripper, 0.1, |_| torque), driven(&with_its_cap, 0.0, 0.1, |_| torque)];
+    for motion in motions.into_iter().flatten() {
         let together = 0.5 * torque / (inertia + gripper) * motion.time_s.powi(2);
         let twist = torque / gripper / omega.powi(2) * (1.0 - (omega * motion.time_s).cos());
         let exact = together + inertia / (inertia + gripper) * twist;

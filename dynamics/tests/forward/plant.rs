@@ -26,7 +26,7 @@ pub struct Knob {
 #[derive(Clone, Copy)]
 pub enum Link {
     Rigid,
-    /// A cap with inertia: half gap, inertia of the cap, stiffness, damping.
+    /// A cap with inertia: half gap (or zero for a shaft), inertia of the cap, stiffness, damping.
     Cap(f64, f64, f64, f64),
     /// A shaft turned at an end without inertia: stiffness, damping.
     Shaft(f64, f64),
@@ -83,7 +83,7 @@ pub fn run(knob: &Knob, sample_s: f64, torque_mnm: &[f64], substeps: usize) -> V
                             return 0.0;
                         };
                         let torque = stiffness * beyond + damping * faster;
-                        if torque * beyond > 0.0 { torque } else { 0.0 }
+                        if torque * beyond > 0.0 || half_gap == 0.0 { torque } else { 0.0 }
                     };
                     let middle = cap.angle + 0.5 * step_s * cap.velocity;
                     let start = (cap.velocity, body);

@@ -21,22 +21,32 @@ type Case<'a> = (&'a [(&'a str, &'a [f64])], Knob);
 
 #[test]
 fn a_knob_at_the_end_of_a_shaft_is_read_right_whether_it_sticks_slips_or_bends() {
-    let link = Link::Shaft(800.0, 0.3);
-    let base: [(&str, &[f64]); 3] =
-        [("inertia", &[0.05]), ("friction", &[4.0, 4.0, 0.6, 0.6]), ("shaft-compliance", &[800.0, 0.3])];
-    let cases: [Case; 3] = [
-        (&[], Knob { link, ..Knob::default() }),
-        (&[("karnopp-stick", &[12.0, 12.0, 0.05])], Knob { link, stick: Some((12.0, 0.05)), ..Knob::default() }),
-        (&[("presliding-hysteresis", &[0.03, 0.02])], Knob { link, bristles: Some((0.03, 0.02)), ..Knob::default() }),
-    ];
     let torque_mnm = torque_mnm();
-    for (effects, knob) in cases {
+    let shafts: [(Link, &[f64]); 2] =
+        [(Link::Shaft(800.0, 0.3), &[800.0, 0.3]), (Link::Cap(0.0, 0.02, 800.0, 0.3), &[800.0, 0.3, 0.4])];
+    let cases = shafts.into_iter().flat_map(|(link, shaft)| {
+        let cases: [Case; 3] = [
+            (&[], Knob { link, ..Knob::default() }),
+            (&[("karnopp-stick", &[12.0, 12.0, 0.05])], Knob { link, stick: Some((12.0, 0.05)), ..Knob::default() }),
+            (
+                &[("presliding-hysteresis", &[0.03, 0.02])],
+                Knob { link, bristles: Some((0.03, 0.02)), ..Knob::default() },
+            ),
+        ];
+        cases.map(|case| (shaft, case))
+    });
+    for (shaft, (effects, knob)) in cases {
+        let base: [(&str, &[f64]); 3] =
+            [("inertia", &[0.05]), ("friction", &[4.0, 4.0, 0.6, 0.6]), ("shaft-compliance", shaft)];
         let course = crate::plant::run(&knob, SAMPLE_S, &torque_mnm, 100);
         let motion = |(index, (angle_rad, velocity_rad_s)): (usize, &(f64, f64))| Motion {
             time_s: index as f64 * SAMPLE_S,
             angle_rad: *angle_rad,
             velocity_rad_s: *velocity_rad_s,
-            acceleration_rad_s2: 0.0,
+            acceleration_rad_s2: {
+                let speed = |at: usize| course[at.min(SAMPLES - 1)].1;
+                (speed(index + 1) - speed(index.saturating_sub(1))) / (2.0 * SAMPLE_S)
+            },
         };
         let motions: Vec<Motion> = course.iter().enumerate().map(motion).collect();
         let off = |effects: &[(&str, &[f64])]| {

@@ -112,6 +112,7 @@ fn cases() -> Vec<Case> {
         ("karnopp-stick", &[12.0, 12.0, 0.05], Knob { stick: Some((12.0, 0.05)), ..knob() }),
         ("presliding-hysteresis", &[0.03, 0.02], Knob { bristles: Some((0.03, 0.02)), ..knob() }),
         ("shaft-compliance", &[800.0, 0.3], Knob { link: Link::Shaft(800.0, 0.3), ..knob() }),
+        ("shaft-compliance", &[800.0, 0.3, 0.4], Knob { link: Link::Cap(0.0, 0.02, 800.0, 0.3), ..knob() }),
         ("backlash", &[0.02, 0.6, 4000.0, 5.0], Knob { link: Link::Cap(0.02, 0.02, 4000.0, 5.0), ..knob() }),
     ]
 }

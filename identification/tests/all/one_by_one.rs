@@ -59,6 +59,9 @@ impl Detents {
     }
 }
 
+/// Shafts that are tried.
+const SHAFTS: u64 = 6;
+
 fn holds(value: &Value, truth: f64) -> bool {
     value.ci95.is_some_and(|[low, high]| (low..=high).contains(&truth))
 }
@@ -99,6 +102,19 @@ fn a_scratch_is_named_and_located() {
             assert!((value - truth).abs() < 0.05, "{name} {value}, {truth}");
         }
     }
+}
+
+#[test]
+fn a_shaft_between_two_inertias_is_named_with_their_shares() {
+    let mut held = 0;
+    for seed in 0..SHAFTS {
+        let (found, answer) = diagnosed(4300 + seed, "shaft-compliance", 3.0);
+        assert_eq!(found.effects, ["shaft-compliance"], "seed {seed}: {}", found.summary);
+        let truth = answer.parameters["shaft-compliance"]["outer_share_of_inertia"].as_f64().unwrap();
+        let share = found.steps[0].parameters.get("shaft_outer_share");
+        held += u64::from(share.map_or(truth == 0.0, |share| holds(share, truth)));
+    }
+    assert!(held + 1 >= SHAFTS, "{held} of {SHAFTS} intervals hold");
 }
 
 #[test]

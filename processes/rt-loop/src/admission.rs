@@ -1,6 +1,6 @@
 //! What a model must pass before it is rendered, at the start of a run and while it goes on.
 
-use dynamics::{Calibration, Model};
+use dynamics::{Calibration, Coupling, Model};
 use shared_types::MODEL_MAX_BYTES;
 
 use crate::control::rendering::RenderedModel;
@@ -41,7 +41,8 @@ impl Admission {
         }
         let rendered = RenderedModel::new(model, &self.calibration)?;
         let mut remarks = self.bounds.check(model)?;
-        if model.coupling().is_some_and(|shaft| shaft.half_gap_rad == 0.0) {
+        let is_outweighed = |shaft: Coupling| (1.0 - shaft.inner_share) * model.inertia() < self.bounds.least_inertia;
+        if model.coupling().is_some_and(|shaft| shaft.half_gap_rad == 0.0 && is_outweighed(shaft)) {
             remarks.push(format!(
                 "{:.4} mNm·s²/rad of the inertia, gripper and rotor, are in front of the shaft, not behind it",
                 self.bounds.least_inertia

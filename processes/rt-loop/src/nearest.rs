@@ -140,7 +140,11 @@ fn set_inertia(model: &mut Model, inertia: f64) -> bool {
 }
 
 fn set_share(model: &mut Model, share: f64) -> bool {
-    change(model, |_, name, _, value| if name == "backlash_inner_share" { share } else { value })
+    change(model, |_, name, _, value| match name {
+        "backlash_inner_share" => share,
+        "shaft_outer_share" => 1.0 - share,
+        _ => value,
+    })
 }
 
 /// Another cap before the same inner body.

@@ -43,6 +43,8 @@ fn every_part_that_passes_its_bound_comes_to_it() {
         (inertia(0.05), Some(effect(&effects::quadratic_drag::KIND, &[100.0]))),
         (inertia(0.05), Some(effect(&effects::eddy_current_damping::KIND, &[3000.0, 3.0]))),
         (inertia(0.03), Some(effect(&effects::shaft_compliance::KIND, &[50_000.0, 0.1]))),
+        (inertia(5.0), Some(effect(&effects::shaft_compliance::KIND, &[5000.0, 1.0, 0.99]))),
+        (inertia(0.03), Some(effect(&effects::shaft_compliance::KIND, &[5000.0, 1.0, 1.0]))),
         (inertia(0.05), Some(effect(&effects::presliding_hysteresis::KIND, &[0.01, 0.0]))),
     ];
     for (inertia, other) in beside {

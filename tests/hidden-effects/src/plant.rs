@@ -55,9 +55,9 @@ pub enum Link {
     /// lies behind it.
     #[allow(missing_docs, reason = "said above")]
     Gap { half_gap: f64, inner_share: f64, stiffness: f64, damping: f64 },
-    /// By a shaft of `stiffness`, mNm/rad, and `damping`, mNm s/rad.
+    /// By a shaft of `stiffness`, mNm/rad, and `damping`, mNm s/rad; `outer_share` of the inertia moves with the cap.
     #[allow(missing_docs, reason = "said above")]
-    Spring { stiffness: f64, damping: f64 },
+    Spring { outer_share: f64, stiffness: f64, damping: f64 },
 }
 
 impl Link {
@@ -71,7 +71,7 @@ impl Link {
         match self {
             Self::Rigid => 1.0,
             Self::Gap { inner_share, .. } => 1.0 - inner_share,
-            Self::Spring { .. } => 0.0,
+            Self::Spring { outer_share, .. } => outer_share,
         }
     }
 
@@ -87,7 +87,7 @@ impl Link {
                     0.0
                 }
             }
-            Self::Spring { stiffness, damping } => stiffness * twist + damping * speed,
+            Self::Spring { stiffness, damping, .. } => stiffness * twist + damping * speed,
         }
     }
 }

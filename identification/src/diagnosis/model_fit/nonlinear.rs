@@ -315,7 +315,7 @@ impl<'a> Nonlinear<'a> {
         let effect = structure.effects[index];
         let scene = capture.scene_of(structure);
         let mut squares = None;
-        let at_bound = effect.kind().free_searches(structure.columns[index]).find(|search| {
+        let at_bound = effect.free_searches(structure.columns[index]).find(|search| {
             let Some((least, largest)) = search.range_in(&scene) else { return false };
             // A share ends where the whole does, whatever the capture could show.
             if matches!(effect.kind().part, Part::Coupling(_)) && effect.kind().parameters[search.parameter].unit == "1"
@@ -461,9 +461,11 @@ fn free_values(structure: &Structure, capture: &Capture) -> Vec<FreeValue> {
                 scale,
                 logarithmic,
             };
-            // A searched value without a range cannot be seen here, and one tied to another moves with it: neither is free.
+            // A searched value without a range cannot be seen here, one tied to another moves with it, and an absent one has none: none is free.
             if let Some(search) = searches.iter().find(|search| search.parameter == parameter) {
-                if let Some(range) = search.range_in(&scene).filter(|_| search.same_as.is_none()) {
+                if let Some(range) =
+                    search.range_in(&scene).filter(|_| search.same_as.is_none() && !effect.is_absent(parameter))
+                {
                     values.push(value(range, 0.05 * (range.1 - range.0), search.logarithmic));
                 }
                 continue;

@@ -176,7 +176,7 @@ impl Structure {
     /// Number of values that the data had to settle, the skew apart.
     pub(crate) fn freedom(&self) -> usize {
         let searched = |(effect, columns): (&Effect, &usize)| match effect.kind().hypothesis {
-            Some(_) => effect.kind().free_searches(*columns).count() - end_stop::absent_sides(effect),
+            Some(_) => effect.free_searches(*columns).count() - end_stop::absent_sides(effect),
             None => effect.kind().regressors.map_or(0, |r| r.searched.len()),
         };
         // One limit for both directions is tried.
@@ -224,7 +224,7 @@ impl Structure {
                 }
                 continue;
             }
-            for search in effect.kind().free_searches(self.columns[index]) {
+            for search in effect.free_searches(self.columns[index]) {
                 if let Some(range) = search.range_in(scene) {
                     all.push(Searched::Parameter { effect: index, parameter: search.parameter, range });
                 }

@@ -7,7 +7,7 @@
 
 use std::f64::consts::TAU;
 
-use dynamics::{Coupling, Effect, EffectKind, Hypothesis, Part};
+use dynamics::{Coupling, Effect, EffectKind, Part};
 use rayon::prelude::*;
 use realfft::num_complex::Complex;
 
@@ -15,6 +15,7 @@ use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::unequal;
+use crate::numerics::derivative::gradient;
 use crate::numerics::fourier::Response;
 use crate::numerics::lag::lagged;
 use crate::preparation::motion::KnobMotion;
@@ -29,12 +30,7 @@ const PROMISES: f64 = 1.0;
 
 /// The best values for a shaft and all else, found without simulation, since the measured torque tells its twist; `None` if a stiff one
 /// explains as much.
-pub(crate) fn fitted(
-    effects: &[Effect],
-    hypothesis: &Hypothesis,
-    base: &Structure,
-    train: &Capture,
-) -> Option<Structure> {
+pub(crate) fn fitted(effects: &[Effect], base: &Structure, train: &Capture) -> Option<Structure> {
     let mut stiff = base.clone();
     let starts: Vec<(f64, Effect)> =
         effects.par_iter().map(|effect| Some((squares(effect, base, train)?, *effect))).collect::<Option<_>>()?;
@@ -43,7 +39,7 @@ pub(crate) fn fitted(
         return None;
     }
     for _ in 0..TWISTS {
-        best = best_shaft(best, hypothesis, &stiff, train)?;
+        best = best_shaft(best, &stiff, train)?;
         // What moves behind a shaft of these values no longer looks like what moves with the cap.
         let capture = behind(&shaft(&best)?, &stiff, train);
         stiff = unequal::settled(stiff, &capture).structure;
@@ -76,28 +72,34 @@ fn shaft(effect: &Effect) -> Option<Coupling> {
 /// delay of the torque.
 pub(crate) fn is_overdamped(structure: &Structure) -> bool {
     let shaft = structure.effects.last().and_then(shaft);
-    shaft.is_some_and(|shaft| shaft.damping > 2.0 * (shaft.stiffness_mnm_rad * structure.inertia()).sqrt())
+    shaft.is_some_and(|shaft| {
+        let inner = shaft.inner_share * structure.inertia();
+        shaft.damping > 2.0 * (shaft.stiffness_mnm_rad * inner).sqrt()
+    })
 }
 
 /// Sum of squares of what a structure leaves behind a shaft, mNm².
 fn squares(effect: &Effect, base: &Structure, train: &Capture) -> Option<f64> {
-    let capture = behind(&shaft(effect)?, base, train);
+    let shaft = shaft(effect)?;
+    let capture = behind(&shaft, base, train);
     Some(Separable::new(base.clone(), &capture).squares())
 }
 
 /// The values of a shaft with which a structure leaves least, found by going along one after the other in ever smaller steps.
-fn best_shaft(mut best: Effect, hypothesis: &Hypothesis, base: &Structure, train: &Capture) -> Option<Effect> {
+fn best_shaft(mut best: Effect, base: &Structure, train: &Capture) -> Option<Effect> {
     let mut least = squares(&best, base, train)?;
     let scene = train.scene_of(base);
     let mut ratio = COARSEST;
     while ratio > FINEST {
         let mut moved = false;
-        for search in hypothesis.searched {
+        for search in best.free_searches(0).collect::<Vec<_>>() {
             let (lowest, highest) = search.range_in(&scene)?;
             let at = |factor: f64| {
                 let mut tried = best;
                 let value = &mut tried.values_mut()[search.parameter];
-                *value = (*value * factor).clamp(lowest, highest);
+                let moved =
+                    if search.logarithmic { *value * factor } else { *value + factor.ln() * (highest - lowest) };
+                *value = moved.clamp(lowest, highest);
                 Some((squares(&tried, base, train)?, tried))
             };
             let (up, down) = rayon::join(|| at(ratio), || at(1.0 / ratio));
@@ -128,50 +130,72 @@ pub(crate) fn unwound(structure: &Structure, capture: &Capture) -> Option<(Struc
     Some((bare, capture))
 }
 
-/// The capture of a knob as it would be with the motion of the shaft's other end.
+/// The capture of a knob as it would be with the motion of the shaft's other end, its inertias at both ends taken together.
 fn behind(shaft: &Coupling, knob: &Structure, capture: &Capture) -> Capture {
-    let mut behind = capture.with_motion(motion(shaft, knob.delay_s(), capture));
+    let outer = (1.0 - shaft.inner_share) * knob.inertia();
+    let mut behind = capture.with_motion(motion(shaft, outer, knob.delay_s(), capture));
     behind.row_filter.response = Some(response(shaft, knob.inertia(), capture));
     behind
 }
 
-/// The motion of the body behind the shaft, if the torque channel is late by `delay_s`.
-fn motion(shaft: &Coupling, delay_s: f64, capture: &Capture) -> KnobMotion {
+/// The motion of the body behind the shaft, if the torque channel is late by `delay_s` and the inertia `outer` is in front of it; the acceleration
+/// is the mean over both inertias.
+fn motion(shaft: &Coupling, outer: f64, delay_s: f64, capture: &Capture) -> KnobMotion {
     let mut motion = capture.motion.clone();
-    let sides = [&mut motion.angle_rad, &mut motion.velocity_rad_s, &mut motion.acceleration_rad_s2];
+    let mut torques = capture.torques(delay_s);
+    if outer > 0.0 {
+        let mut acceleration = capture.motion.acceleration_rad_s2.clone();
+        for torque in torques.to_mut() {
+            torque.iter_mut().zip(&acceleration).for_each(|(torque, acceleration)| *torque -= outer * acceleration);
+            acceleration = gradient(&acceleration, capture.rate_hz);
+        }
+    }
+    let sides = [
+        (&mut motion.angle_rad, 1.0),
+        (&mut motion.velocity_rad_s, 1.0),
+        (&mut motion.acceleration_rad_s2, shaft.inner_share),
+    ];
     // Torque on a spring beside a damper: the twist lags behind it. The torque goes straight from sample to sample: held instead it would act
     // half a sample off, and its noise seem smaller behind a shaft than it is.
     let lag = shaft.damping * capture.rate_hz / shaft.stiffness_mnm_rad;
-    for (values, torque) in sides.into_iter().zip(capture.torques(delay_s).iter()) {
+    for ((values, share), torque) in sides.into_iter().zip(torques.iter()) {
         let twists_mnm = lagged(torque, lag);
-        values.iter_mut().zip(twists_mnm).for_each(|(value, mnm)| *value -= mnm / shaft.stiffness_mnm_rad);
+        values.iter_mut().zip(twists_mnm).for_each(|(value, mnm)| *value -= share * mnm / shaft.stiffness_mnm_rad);
     }
     motion
 }
 
-/// What rows pass behind a shaft: the response of an inertia on it, torque at the sensor over torque on the inertia, and what makes the noise
-/// of both sensors what it is without the shaft.
+/// What rows pass behind a shaft: torque at the sensor over torque on the inner inertia, and what makes the noise of both sensors what it is
+/// without the shaft.
 fn response(shaft: &Coupling, inertia: f64, capture: &Capture) -> Response {
     let row_filter = &capture.row_filter;
     let rate_hz = capture.row_rate_hz();
     Response::new(row_filter.mask.len().div_ceil(row_filter.step), &|cycles| {
-        let at = passed(shaft, inertia, cycles * rate_hz);
-        at / noise_power(at, inertia, cycles * rate_hz, capture).sqrt()
+        let Passed { torque, noise_power } = Passed::at(cycles * rate_hz, shaft, inertia, capture);
+        torque / noise_power.sqrt()
     })
 }
 
-/// Torque at the sensor over torque on an inertia behind a shaft.
-fn passed(shaft: &Coupling, inertia: f64, frequency_hz: f64) -> Complex<f64> {
-    let turning = TAU * frequency_hz;
-    let spring = Complex::new(shaft.stiffness_mnm_rad, turning * shaft.damping);
-    spring / (spring - inertia * turning * turning)
+/// What a shaft makes of torque and noise at a frequency.
+struct Passed {
+    /// Torque at the sensor over torque on the inner inertia.
+    torque: Complex<f64>,
+    /// Power of both sensors' noise beside that torque, over that with a stiff shaft: the noise of the angle acts on what the sensor then feels
+    /// of both inertias.
+    noise_power: f64,
 }
 
-/// Power of both sensors' noise in the rows where the shaft passes so much, over that without the shaft: the noise of the angle acts on the
-/// inertia behind it.
-fn noise_power(passed: Complex<f64>, inertia: f64, frequency_hz: f64, capture: &Capture) -> f64 {
-    let of_torque = capture.torque_density();
-    let of_angle = inertia * inertia * capture.motion.acceleration_density(frequency_hz, capture.motion.angle_density);
-    let without = of_torque + of_angle;
-    if without > 0.0 { (of_torque + passed.norm_sqr() * of_angle) / without } else { 1.0 }
+impl Passed {
+    fn at(frequency_hz: f64, shaft: &Coupling, inertia: f64, capture: &Capture) -> Self {
+        let turning = TAU * frequency_hz;
+        let spring = Complex::new(shaft.stiffness_mnm_rad, turning * shaft.damping);
+        let [outer, inner] = [1.0 - shaft.inner_share, shaft.inner_share].map(|share| share * inertia);
+        let torque = spring / (spring - inner * turning * turning);
+        let felt = torque * (outer + inner * (1.0 - outer * turning * turning / spring));
+        let of_torque = capture.torque_density();
+        let of_angle = capture.motion.acceleration_density(frequency_hz, capture.motion.angle_density);
+        let without = of_torque + inertia * inertia * of_angle;
+        let noise_power = if without > 0.0 { (of_torque + felt.norm_sqr() * of_angle) / without } else { 1.0 };
+        Self { torque, noise_power }
+    }
 }

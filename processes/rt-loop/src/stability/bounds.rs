@@ -187,7 +187,11 @@ impl Bounds {
             Err(BoundExceeded { what, value, bound, unit, remedy: remedy.to_owned() })
         };
         if contact.cap_inertia > bound {
-            let remedy = "lower `inertia` or raise `backlash_inner_share`";
+            let remedy = if contact.half_gap_rad == 0.0 {
+                "lower `inertia` or `shaft_outer_share`"
+            } else {
+                "lower `inertia` or raise `backlash_inner_share`"
+            };
             return exceeded(Bounded::CapInertia, contact.cap_inertia, bound, "mNm·s²/rad", remedy);
         }
         let value = contact.stiffness_mnm_rad;

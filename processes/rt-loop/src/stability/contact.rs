@@ -3,6 +3,7 @@
 use dynamics::Coupling;
 
 use super::port::{Hands, InnerPart, LinearModel, Port};
+use crate::control::rendering::cap_inertia;
 
 /// A contact or shaft as the loop sees it.
 #[derive(Clone, Copy, Debug)]
@@ -37,8 +38,7 @@ impl Contact {
         [sliding_damping, detent_damping]: [f64; 2],
         detent_stiffness_mnm_rad: f64,
     ) -> Self {
-        let shaft = coupling.half_gap_rad == 0.0;
-        let cap_inertia = if shaft { least_inertia } else { inertia * (1.0 - coupling.inner_share) };
+        let cap_inertia = cap_inertia(coupling, inertia, least_inertia);
         let inner_inertia = inertia - cap_inertia;
         let sliding = InnerPart { inertia: inner_inertia, damping: sliding_damping, stiffness_mnm_rad: 0.0 };
         let in_detent = InnerPart { damping: detent_damping, stiffness_mnm_rad: detent_stiffness_mnm_rad, ..sliding };

@@ -40,8 +40,10 @@ pub fn random_two_bodies(numbers: &mut Numbers, least_inertia: f64, largest_iner
         let half_gap = numbers.between(1e-3, 0.1);
         knob.effects.push(Effect::new(&effects::backlash::KIND, &[half_gap, share, stiffness, damping]));
     } else {
-        knob.effects[0].values_mut()[0] = least_inertia + inner_inertia;
-        knob.effects.push(Effect::new(&effects::shaft_compliance::KIND, &[stiffness, damping]));
+        let [before, outer] = if numbers.unit() < 0.5 { [least_inertia, 0.0] } else { [cap_inertia; 2] };
+        let inertia = before + inner_inertia;
+        knob.effects[0].values_mut()[0] = inertia;
+        knob.effects.push(Effect::new(&effects::shaft_compliance::KIND, &[stiffness, damping, outer / inertia]));
     }
     knob
 }

@@ -1,5 +1,6 @@
 //! The best fit of a coupling, whose inner body is simulated, and of an effect more beside one.
 
+use dynamics::effects::shaft_compliance;
 use dynamics::{Effect, EffectKind, Part, Scene};
 use rayon::prelude::*;
 
@@ -50,30 +51,28 @@ pub(crate) fn fitted<'a>(
     [train, heldout]: [&'a Capture; 2],
     effort: Effort,
 ) -> Option<Judged> {
-    let hypothesis = kind.hypothesis?;
     let scene = Scene { is_faint: effort == Effort::Fine, ..train.scene_of(base) };
     let effects = starts(kind, &scene)?;
     // The skew that the structure needed without the coupling tells nothing.
     let unskewed = Structure { skew_s: 0.0, shaft_is_simulated: false, ..base.clone() };
     if twist::is_shaft(kind) {
-        let behind = twist::fitted(&effects, &hypothesis, &unskewed, train)?;
-        let simulated = Structure { shaft_is_simulated: true, ..behind.clone() };
-        let refined = |structure| {
-            let mut fit = Nonlinear::new(structure, train);
-            fit.refine();
-            Judged::nonlinear(&fit, train, heldout)
-        };
-        let behind = refined(behind);
-        if behind.most_over_floor() < CLOSED {
-            return Some(behind);
+        // Most have nothing in front that would have to be found.
+        let mut alone = effects.clone();
+        alone.iter_mut().for_each(|shaft| shaft.values_mut()[shaft_compliance::OUTER_SHARE] = 0.0);
+        alone.dedup();
+        let alone = shaft(&alone, &unskewed, [train, heldout])?;
+        // Near the floor one between two inertias pays for itself by the noise that it keeps from the inner one.
+        let present = Judged::nonlinear(&Nonlinear::new(base.clone(), train), train, heldout);
+        if is_closed(&alone) || present.most_over_floor() < OPEN {
+            return Some(alone);
         }
-        // Next to noise a shaft's damping hardly shows in its twist: a simulation also begins with that of the starts.
-        let mut damped = simulated.clone();
-        if let (Some(shaft), Some(start)) = (damped.effects.last_mut(), effects.first()) {
-            shaft.values_mut()[1] = start.values()[1];
-        }
-        let (simulated, damped) = rayon::join(|| refined(simulated), || refined(damped));
-        return [behind, simulated, damped].into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
+        // An inertia so small that its share stands at the end of the range may be any.
+        let is_all = |shaft: &Effect| shaft.values()[shaft_compliance::OUTER_SHARE] >= shaft_compliance::LARGEST_SHARE;
+        let between = shaft(&effects, &unskewed, [train, heldout])
+            .filter(|judged| !judged.structure.effects.last().is_some_and(is_all));
+        let is_within = |judged: &Judged| Nonlinear::on_bound(&judged.structure, train).is_none();
+        let better = between.filter(|judged| judged.evidence > alone.evidence && is_within(judged));
+        return Some(better.unwrap_or(alone));
     }
     let structures: Vec<Structure> = effects.iter().map(|effect| unskewed.with(*effect, 0)).collect();
     let fits = Nonlinear::all(&structures, train).into_iter();
@@ -134,6 +133,34 @@ pub(crate) fn fitted<'a>(
     }
     let stuck = sticking::fitted(&fit, train).map(|stuck| Judged::nonlinear(&stuck, train, heldout));
     stuck.into_iter().chain([judged]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+}
+
+fn is_closed(judged: &Judged) -> bool {
+    judged.most_over_floor() < CLOSED
+}
+
+/// The best fit of a structure and a shaft, from its starts.
+fn shaft(starts: &[Effect], base: &Structure, [train, heldout]: [&Capture; 2]) -> Option<Judged> {
+    let behind = twist::fitted(starts, base, train)?;
+    let simulated = Structure { shaft_is_simulated: true, ..behind.clone() };
+    let refined = |structure| {
+        let mut fit = Nonlinear::new(structure, train);
+        fit.refine();
+        Judged::nonlinear(&fit, train, heldout)
+    };
+    let has_outer = behind.effects.last().is_some_and(|shaft| !shaft.is_absent(shaft_compliance::OUTER_SHARE));
+    // Noise of a torque that twists a shaft pays for a sharp resonance between two inertias: a simulation alone shows one.
+    let behind = (!has_outer).then(|| refined(behind));
+    if behind.as_ref().is_some_and(is_closed) {
+        return behind;
+    }
+    // Next to noise a shaft's damping hardly shows in its twist: a simulation also begins with that of the starts.
+    let mut damped = simulated.clone();
+    if let (Some(shaft), Some(start)) = (damped.effects.last_mut(), starts.first()) {
+        shaft.values_mut()[1] = start.values()[1];
+    }
+    let (simulated, damped) = rayon::join(|| refined(simulated), || refined(damped));
+    behind.into_iter().chain([simulated, damped]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
 }
 
 /// Fits of a structure with a coupling and one of the `kinds` more: those that promise most beside the present values'

@@ -35,6 +35,7 @@ mod virtual_body;
 mod virtual_knob;
 
 pub use gains::RenderGains;
+pub(crate) use rendered_model::cap_inertia;
 pub use rendered_model::{RenderedModel, Unrenderable};
 pub use renderer::{Rendered, Renderer, StepInput};
 pub(crate) use slow_part::{slow_part, taken_in};

@@ -1,6 +1,6 @@
 //! A model that can be rendered.
 
-use dynamics::{Calibration, Direction, Model, Motion, Part, StickLimits};
+use dynamics::{Calibration, Coupling, Direction, Model, Motion, Part, StickLimits};
 
 use super::joint::Joint;
 
@@ -60,7 +60,9 @@ pub enum Unrenderable {
         share: f64,
     },
     /// An inner body without inertia.
-    #[error("an inner body without inertia cannot be rendered; the least possible backlash_inner_share is {share:.2e}")]
+    #[error(
+        "an inner body without inertia cannot be rendered; the least possible backlash_inner_share, or 1 − shaft_outer_share, is {share:.2e}"
+    )]
     Inner {
         /// The least share that would do.
         share: f64,
@@ -121,14 +123,18 @@ impl RenderedModel {
     }
 }
 
+/// Inertia of the body in front of a gap or a shaft. Of a shaft rotor and gripper, the `least`, are in front whatever the model has there: they
+/// count as part of the knob's inertia.
+pub(crate) fn cap_inertia(coupling: &Coupling, inertia: f64, least: f64) -> f64 {
+    let own = (1.0 - coupling.inner_share) * inertia;
+    if coupling.half_gap_rad == 0.0 { own.max(least) } else { own }
+}
+
 /// What joins the bodies of a model of two; `None` for one of one body.
-///
-/// A shaft has all of its knob's inertia behind it, but rotor and gripper are before it: they count as part of that inertia.
 fn joint(model: &Model, calibration: &Calibration, least: f64) -> Result<Option<Joint>, Unrenderable> {
     let Some(coupling) = model.coupling() else { return Ok(None) };
     let inertia = model.inertia();
-    let shaft = coupling.half_gap_rad == 0.0;
-    let cap = if shaft { least } else { inertia * (1.0 - coupling.inner_share) };
+    let cap = cap_inertia(&coupling, inertia, least);
     let inner = inertia - cap;
     // Rounding of a share that was made to fit.
     if cap < least * (1.0 - 1e-9) {
@@ -136,7 +142,7 @@ fn joint(model: &Model, calibration: &Calibration, least: f64) -> Result<Option<
         return Err(Unrenderable::Cap { cap, least, inertia, share });
     }
     if inner < LEAST_INNER_INERTIA {
-        return Err(if shaft {
+        return Err(if cap == least {
             Unrenderable::Inertia { inertia, least: least + LEAST_INNER_INERTIA }
         } else {
             Unrenderable::Inner { share: LEAST_INNER_INERTIA / inertia }
