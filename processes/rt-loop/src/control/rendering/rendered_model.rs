@@ -123,6 +123,9 @@ impl RenderedModel {
     }
 }
 
+/// Share by which rounding may take an inertia below the least, where a share of one was made to fit.
+const ROUNDING: f64 = 1e-9;
+
 /// Inertia of the body in front of a gap or a shaft. Of a shaft rotor and gripper, the `least`, are in front whatever the model has there: they
 /// count as part of the knob's inertia.
 pub(crate) fn cap_inertia(coupling: &Coupling, inertia: f64, least: f64) -> f64 {
@@ -136,12 +139,11 @@ fn joint(model: &Model, calibration: &Calibration, least: f64) -> Result<Option<
     let inertia = model.inertia();
     let cap = cap_inertia(&coupling, inertia, least);
     let inner = inertia - cap;
-    // Rounding of a share that was made to fit.
-    if cap < least * (1.0 - 1e-9) {
+    if cap < least * (1.0 - ROUNDING) {
         let [inertia, share] = with_least_cap(inner, least);
         return Err(Unrenderable::Cap { cap, least, inertia, share });
     }
-    if inner < LEAST_INNER_INERTIA {
+    if inner < LEAST_INNER_INERTIA * (1.0 - ROUNDING) {
         return Err(if cap == least {
             Unrenderable::Inertia { inertia, least: least + LEAST_INNER_INERTIA }
         } else {
