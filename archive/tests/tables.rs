@@ -58,7 +58,8 @@ fn a_wrong_header_is_shown_beside_the_right_one() {
     assert_eq!(
         bench.refusal("a.csv", "time,angle,torque\n0,0,0\n"),
         "a.csv: it has the columns `time,angle,torque`, but they must be \
-         `t_s,angle_rad[,velocity_rad_s][,acceleration_rad_s2],torque_mnm[,contact]`; name other columns, as in time=NAME,angle=NAME,torque=NAME"
+         `t_s,angle_rad[,velocity_rad_s][,acceleration_rad_s2],torque_mnm[,contact]`; name other \
+         columns, as in time=NAME,angle=NAME,torque=NAME"
     );
     for header in ["t_s,angle_rad", "t_s,angle_rad,torque_mnm,torque_mnm", "t_s,angle_rad,torque_mnm,colour", "0,1,2"] {
         assert!(bench.refusal("b.csv", format!("{header}\n1,2,3\n")).contains(&format!("columns `{header}`")));

@@ -41,10 +41,10 @@ impl Scene {
         (self.inertia > 0.0).then(|| (stiffness(lowest_hz), stiffness(highest_hz)))
     }
 
-    /// Dampings of a coupling, mNm·s/rad, from what rings on to what creeps: rates from a lowest to 500 Hz for the inertia.
+    /// Dampings of a coupling, mNm·s/rad, from what rings on to what creeps: rates of 1 to 500 Hz for the inertia.
     #[must_use]
-    pub fn coupling_dampings(&self, lowest_hz: f64) -> Option<(f64, f64)> {
-        Some((TAU * lowest_hz * self.inertia, TAU * 500.0 * self.inertia))
+    pub fn coupling_dampings(&self) -> Option<(f64, f64)> {
+        Some((TAU * 1.0 * self.inertia, TAU * 500.0 * self.inertia))
     }
 
     /// Angle between the two ends of the motion, rad.

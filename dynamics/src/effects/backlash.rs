@@ -1,6 +1,6 @@
 //! Lost motion between the cap and the inner body.
 
-use crate::{Coordinate, Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Search};
+use crate::{Coordinate, Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Scene, Search};
 
 /// Index of the share of inertia behind the gap among the parameters.
 pub const INNER_SHARE: usize = 1;
@@ -77,7 +77,7 @@ pub static KIND: EffectKind = EffectKind {
             },
             Search {
                 parameter: DAMPING,
-                range: |scene| scene.coupling_dampings(1.0),
+                range: Scene::coupling_dampings,
                 starts: |_| 1,
                 logarithmic: true,
                 ..Search::PLAIN

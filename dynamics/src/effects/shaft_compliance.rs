@@ -1,6 +1,6 @@
 //! A shaft that twists between the sensor and what friction and detents act on.
 
-use crate::{Coordinate, Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Search};
+use crate::{Coordinate, Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Scene, Search};
 
 /// Index of the share of inertia in front of the shaft among the parameters.
 pub const OUTER_SHARE: usize = 2;
@@ -55,13 +55,7 @@ pub static KIND: EffectKind = EffectKind {
                 logarithmic: true,
                 ..Search::PLAIN
             },
-            Search {
-                parameter: 1,
-                range: |scene| scene.coupling_dampings(1.0),
-                starts: |_| 1,
-                logarithmic: true,
-                ..Search::PLAIN
-            },
+            Search { parameter: 1, range: Scene::coupling_dampings, starts: |_| 1, logarithmic: true, ..Search::PLAIN },
             Search {
                 parameter: OUTER_SHARE,
                 range: |_| Some((1.0 - LARGEST_SHARE, LARGEST_SHARE)),

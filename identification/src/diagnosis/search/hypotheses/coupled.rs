@@ -61,9 +61,12 @@ pub(crate) fn fitted<'a>(
         alone.iter_mut().for_each(|shaft| shaft.values_mut()[shaft_compliance::OUTER_SHARE] = 0.0);
         alone.dedup();
         let alone = shaft(&alone, &unskewed, [train, heldout])?;
+        if is_closed(&alone) {
+            return Some(alone);
+        }
         // Near the floor one between two inertias pays for itself by the noise that it keeps from the inner one.
         let present = Judged::nonlinear(&Nonlinear::new(base.clone(), train), train, heldout);
-        if is_closed(&alone) || present.most_over_floor() < OPEN {
+        if present.most_over_floor() < OPEN {
             return Some(alone);
         }
         // An inertia so small that its share stands at the end of the range may be any.
