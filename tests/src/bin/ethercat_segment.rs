@@ -3,6 +3,7 @@
 use clap::Parser;
 use nix::sched::{CpuSet, sched_setaffinity};
 use nix::unistd::Pid;
+use shared_types::rig::monotonic_time_ns;
 use tests::ethercat::{Options, Port, Segment};
 
 /// An EtherCAT drive and terminal that are numbers
@@ -19,15 +20,16 @@ fn main() -> anyhow::Result<()> {
     let Arguments { interface, options } = Arguments::parse();
     run_at_once();
     let port = Port::open(&interface)?;
-    let mut segment = Segment::new(options, shared_types::rig::monotonic_time_ns());
+    let mut now_ns = monotonic_time_ns();
+    let mut segment = Segment::new(options, now_ns);
     let mut frame = [0; 1514];
     loop {
-        let received = port.receive(&mut frame);
-        let now_ns = shared_types::rig::monotonic_time_ns();
-        let Some(length) = received else {
+        let Some((length, came_in_ns)) = port.receive(&mut frame) else {
+            now_ns = monotonic_time_ns();
             segment.pass(now_ns);
             continue;
         };
+        now_ns = came_in_ns.max(now_ns);
         if segment.process(&mut frame[..length], now_ns) {
             if !segment.keeps_source() {
                 frame[6] |= 2;

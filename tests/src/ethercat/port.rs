@@ -5,6 +5,13 @@ use std::ffi::CString;
 use std::io;
 use std::os::fd::{AsRawFd as _, FromRawFd as _, OwnedFd};
 
+use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
+
+/// Asks when the frame that was read last came in, by the system clock (socket(7)); the first time, that frames be stamped from now on.
+const SIOCGSTAMPNS: libc::Ioctl = 0x8907;
+/// Who has a frame this much later was stopped, and its devices with it, ns.
+const STOPPED_NS: u64 = 10_000_000;
+
 /// A socket on the interface.
 #[derive(Debug)]
 pub struct Port(OwnedFd);
@@ -41,12 +48,15 @@ impl Port {
             if ignored != 0 || libc::bind(descriptor, (&raw const address).cast(), length) != 0 {
                 return Err(io::Error::last_os_error());
             }
+            port.age_ns();
             Ok(port)
         }
     }
 
-    /// Waits for a frame, up to a millisecond; its length, or `None`.
-    pub fn receive(&self, frame: &mut [u8; 1514]) -> Option<usize> {
+    /// Waits for a frame, up to a millisecond; its length and when it came in (CLOCK_MONOTONIC, ns), or `None`.
+    ///
+    /// A device has a frame when it is on the wire, which is sooner than a process is woken for it.
+    pub fn receive(&self, frame: &mut [u8; 1514]) -> Option<(usize, u64)> {
         let mut entry = libc::pollfd { fd: self.0.as_raw_fd(), events: libc::POLLIN, revents: 0 };
         // SAFETY: one live entry, and a buffer of the length told.
         let received = unsafe {
@@ -55,7 +65,19 @@ impl Port {
             }
             libc::recv(self.0.as_raw_fd(), frame.as_mut_ptr().cast(), frame.len(), libc::MSG_DONTWAIT)
         };
-        usize::try_from(received).ok()
+        let length = usize::try_from(received).ok()?;
+        let age_ns = Some(self.age_ns()).filter(|age_ns| *age_ns < STOPPED_NS).unwrap_or(0);
+        Some((length, monotonic_time_ns().saturating_sub(age_ns)))
+    }
+
+    /// How long ago the frame that was read last came in, ns; 0 where the kernel does not say.
+    fn age_ns(&self) -> u64 {
+        let mut stamp = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+        // SAFETY: the request writes one struct, which lives beyond the call.
+        match unsafe { libc::ioctl(self.0.as_raw_fd(), SIOCGSTAMPNS, &raw mut stamp) } {
+            0 => wall_clock_time_ns().saturating_sub((stamp.tv_sec * 1_000_000_000 + stamp.tv_nsec).cast_unsigned()),
+            _ => 0,
+        }
     }
 
     /// Sends a frame; one that cannot be sent is lost, as on a cable.
@@ -77,7 +99,7 @@ impl Port {
         for _ in 0..20 {
             self.send(&frame);
             for _ in 0..50 {
-                if self.receive(&mut answer).is_some_and(|length| length >= 30) && answer[16..18] == [1, 0x77] {
+                if self.receive(&mut answer).is_some_and(|(length, _)| length >= 30) && answer[16..18] == [1, 0x77] {
                     return (answer[28] == 1).then(|| u16::from_le_bytes([answer[26], answer[27]]));
                 }
             }

@@ -20,16 +20,29 @@ fn read_sooner(text: &str, rate_hz: f64, by: f64) -> String {
     text.replace(torque, &delayed(torque)).replace(acceleration, &delayed(acceleration))
 }
 
+/// Captures that are made at most for one in which the host hardly stalls: when a frame that met a stall passed the devices, nobody knows.
+const ATTEMPTS: usize = 4;
+/// Most ticks, as a share of all, that the loop misses on a host that hardly stalls.
+const HARDLY: f64 = 1e-3;
+
 /// Captures at a rate and fits; gives the capture and its fit's parameters.
 fn fitted(wired: &Wired, rate_hz: &str) -> (Capture, Value) {
-    let (said, status, capture) = wired.capture(rate_hz, "10");
-    assert_eq!(status, Some(0), "{said}");
+    let stalls_hardly = |capture: &Capture| {
+        let missed: u32 = capture.missed_ticks.iter().flatten().sum();
+        f64::from(missed) < HARDLY * capture.tick.len() as f64
+    };
+    let capture = |_| {
+        let (said, status, capture) = wired.capture(rate_hz, "10");
+        assert_eq!(status, Some(0), "{said}");
+        capture.unwrap()
+    };
+    let capture = (1..ATTEMPTS).map(capture).find(stalls_hardly).unwrap_or_else(|| capture(ATTEMPTS));
     let archive = wired.bench.only_archive("out").unwrap();
     let output = wired.bench.run(&["fit", &archive.to_string_lossy(), "--json", "-"]).unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
     let fit: Value = serde_json::from_slice(&output.stdout).unwrap();
     eprintln!("{rate_hz} Hz: {}", fit["parameters"]);
-    (capture.unwrap(), fit["parameters"].clone())
+    (capture, fit["parameters"].clone())
 }
 
 #[test]
