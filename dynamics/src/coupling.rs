@@ -14,6 +14,12 @@ pub struct Coupling {
 }
 
 impl Coupling {
+    /// Inertia of the cap and of the inner body of a knob with this inertia.
+    #[must_use]
+    pub fn inertias(&self, inertia: f64) -> [f64; 2] {
+        [1.0 - self.inner_share, self.inner_share].map(|share| share * inertia)
+    }
+
     /// Torque that the cap passes on to the inner body, `ahead_rad` in front of it and faster by `faster_rad_s`.
     #[must_use]
     pub fn torque_mnm(&self, ahead_rad: f64, faster_rad_s: f64) -> f64 {

@@ -85,14 +85,15 @@ impl<'model> InnerBody<'model> {
     /// `knob` gives inertia, friction and detents; its own coupling is not looked at.
     #[must_use]
     pub fn at_rest(knob: &'model Model, coupling: Coupling, angle_rad: f64) -> Self {
-        let inertia = (knob.inertia() * coupling.inner_share).max(f64::MIN_POSITIVE);
+        let [cap_inertia, inertia] = coupling.inertias(knob.inertia());
+        let inertia = inertia.max(f64::MIN_POSITIVE);
         Self {
             effects: SortedEffects::of(knob),
             karnopp_limits: knob.karnopp_limits(),
             coupling,
             bristles: knob.bristles(),
             inertia,
-            cap_inertia: (1.0 - coupling.inner_share) * knob.inertia(),
+            cap_inertia,
             resonance_rad_s: (coupling.stiffness_mnm_rad / inertia).sqrt(),
             largest_phase_rad: PHASE,
             angle_rad,

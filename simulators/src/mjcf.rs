@@ -80,8 +80,9 @@ fn bodies(joint: &Joint, viscous: f64, text: &mut String) {
     match joint.coupling {
         None => body("knob", joint.inertia, &format!("{own}{range}"), text),
         Some(coupling) => {
-            body("knob", (1.0 - coupling.inner_share) * joint.inertia, "", text);
-            body("inner", coupling.inner_share * joint.inertia, &format!("{own}{range}"), text);
+            let [cap, inner] = coupling.inertias(joint.inertia);
+            body("knob", cap, "", text);
+            body("inner", inner, &format!("{own}{range}"), text);
         }
     }
 }

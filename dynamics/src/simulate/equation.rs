@@ -41,17 +41,13 @@ impl<'model> Equation<'model> {
     pub(super) fn of(model: &'model Model, added_inertia: f64) -> Result<(Self, Option<Twist>), SimulationError> {
         let total = model.inertia();
         let coupling = model.coupling();
-        let share = coupling.map_or(1.0, |coupling| coupling.inner_share);
-        let outer = (1.0 - share) * total + added_inertia;
+        let [cap, inner] = coupling.map_or([0.0, total], |coupling| coupling.inertias(total));
+        let outer = cap + added_inertia;
         let weightless = outer.abs() <= WEIGHTLESS * total;
         let (inertia, cap, twist) = match coupling {
             None => (total + added_inertia, None, None),
-            Some(coupling) if weightless && coupling.half_gap_rad == 0.0 => {
-                (total * share, None, Some(Twist::of(&coupling)))
-            }
-            Some(coupling) if outer > 0.0 && !weightless => {
-                (total * share, Some(Cap { inertia: Some(outer), coupling }), None)
-            }
+            Some(coupling) if weightless && coupling.half_gap_rad == 0.0 => (inner, None, Some(Twist::of(&coupling))),
+            Some(coupling) if outer > 0.0 && !weightless => (inner, Some(Cap { inertia: Some(outer), coupling }), None),
             Some(_) => return Err(SimulationError::WeightlessCap { inertia: outer }),
         };
         if inertia > 0.0 && inertia.is_finite() {
@@ -63,7 +59,7 @@ impl<'model> Equation<'model> {
 
     /// The equations of an inner body whose cap moves as is given: for the torque on it read its acceleration.
     pub(super) fn led(model: &'model Model, coupling: Coupling) -> Result<Self, SimulationError> {
-        let inertia = model.inertia() * coupling.inner_share;
+        let [_, inertia] = coupling.inertias(model.inertia());
         if inertia > 0.0 && inertia.is_finite() {
             Ok(Self { model, inertia, bristles: model.bristles(), cap: Some(Cap { inertia: None, coupling }) })
         } else {

@@ -33,8 +33,8 @@ impl State {
         let Motion { time_s, angle_rad, velocity_rad_s, acceleration_rad_s2 } = *motion;
         let direction = if velocity_rad_s == 0.0 { 0.0 } else { velocity_rad_s.signum() };
         let behind_rad = model.coupling().map_or(0.0, |coupling| {
-            let inertial = (1.0 - coupling.inner_share) * model.inertia() * acceleration_rad_s2;
-            let torque_mnm = model.torque_mnm(motion) - inertial;
+            let [cap_inertia, _] = coupling.inertias(model.inertia());
+            let torque_mnm = model.torque_mnm(motion) - cap_inertia * acceleration_rad_s2;
             torque_mnm / coupling.stiffness_mnm_rad
                 + if torque_mnm == 0.0 { 0.0 } else { torque_mnm.signum() * coupling.half_gap_rad }
         });

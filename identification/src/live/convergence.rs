@@ -8,20 +8,11 @@
 //! - A parameter **near zero** has no share worth the name. It is negligible once even the far end of its interval makes
 //!   less torque, over the motion so far, than one step of the torque sensor: nothing that this rig reads would show it.
 
+use shared_types::Convergence;
+
 /// Share of a value that half its interval may be wide, where nobody asks for another: far below the 13 % of torque that
 /// fingers can just tell apart (Jandura and Srinivasan 1994).
 pub const USUAL_SHARE: f64 = 0.01;
-
-/// How far an estimate of a parameter has come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Convergence {
-    /// The interval is still wider than was asked for, or there is none.
-    Open,
-    /// The interval is as narrow as was asked for.
-    Converged,
-    /// The parameter is too small for the torque sensor to show.
-    Negligible,
-}
 
 /// What intervals are held against.
 #[derive(Clone, Copy, Debug, PartialEq)]

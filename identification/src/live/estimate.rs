@@ -2,10 +2,11 @@
 
 use dynamics::{Effect, ParameterKind, Part, effects};
 use nalgebra::DMatrix;
+use shared_types::{Convergence, Verdict};
 
 use super::WithDetents;
 use super::blocks::{Blocks, Solution};
-use super::convergence::{Convergence, Criterion, MotionRms, relative_half_width};
+use super::convergence::{Criterion, MotionRms, relative_half_width};
 use crate::uncertainty::statistics::{deviation_of_sum, interval};
 
 /// Fewest blocks whose scatter gives an interval.
@@ -14,17 +15,6 @@ const FEWEST_BLOCKS: usize = 16;
 const ESTIMATED_SHARE: f64 = 0.1;
 /// … or amounts to less than this share of the torque's RMS.
 const ESTIMATED_TORQUE: f64 = 0.02;
-
-/// Whether a parameter can be estimated from the data so far.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// The sweep has not yet excited the parameter enough.
-    NotYet,
-    /// Excited enough: value and interval mean what they say.
-    Estimated,
-    /// The model that was fitted does not have this parameter.
-    Absent,
-}
 
 /// A parameter as fitted so far.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -35,10 +35,11 @@ use crate::detents::angle_bins::{AngleBins, MOST_COLUMNS};
 use crate::numerics::interpolation::cubic_weights;
 use crate::samples::LARGEST;
 use blocks::{Blocks, RowFilter};
-pub use convergence::{Convergence, Criterion, MotionRms, USUAL_SHARE, relative_half_width};
+pub use convergence::{Criterion, MotionRms, USUAL_SHARE, relative_half_width};
 use estimate::{Excitation, estimate};
-pub use estimate::{LiveEstimate, LiveParameter, Verdict};
+pub use estimate::{LiveEstimate, LiveParameter};
 use pipeline::{Pipeline, Prepared};
+pub use shared_types::{Convergence, Verdict};
 
 /// Edge of the band in which torque and motion are compared, Hz …
 const BAND_HZ: f64 = 150.0;

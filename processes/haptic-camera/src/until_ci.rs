@@ -108,16 +108,8 @@ pub fn estimate_of(update: &FitUpdate) -> LiveEstimate {
         unit: kinds().find(|kind| kind.name == name).map_or("", |kind| kind.unit),
         value: finite(estimate.value),
         ci95: finite(estimate.half_width()).map(|_| [estimate.ci95_low, estimate.ci95_high]),
-        verdict: match shared_types::Verdict::from_code(estimate.verdict) {
-            Some(shared_types::Verdict::Absent) => Verdict::Absent,
-            Some(shared_types::Verdict::Estimated) => Verdict::Estimated,
-            Some(shared_types::Verdict::NotYet) | None => Verdict::NotYet,
-        },
-        convergence: match shared_types::Convergence::from_code(estimate.convergence) {
-            Some(shared_types::Convergence::Converged) => Convergence::Converged,
-            Some(shared_types::Convergence::Negligible) => Convergence::Negligible,
-            Some(shared_types::Convergence::Open) | None => Convergence::Open,
-        },
+        verdict: Verdict::from_code(estimate.verdict).unwrap_or(Verdict::NotYet),
+        convergence: Convergence::from_code(estimate.convergence).unwrap_or(Convergence::Open),
     };
     let mut estimate = LiveEstimate::default();
     estimate.parameters = update.estimates().map(parameter).to_vec();
@@ -214,7 +206,6 @@ mod tests {
 
     #[test]
     fn the_terminal_counts_as_known_what_the_page_does() {
-        use shared_types::{Convergence, Verdict};
         for verdict in [Verdict::NotYet, Verdict::Estimated] {
             for convergence in [Convergence::Open, Convergence::Converged, Convergence::Negligible] {
                 let inertia =

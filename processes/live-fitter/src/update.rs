@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use identification::live::{self, LiveEstimate, LiveParameter};
+use identification::live::{LiveEstimate, LiveParameter};
 use nix::time::{ClockId, clock_gettime};
-use shared_types::{Convergence, Estimate, FitUpdate, Verdict};
+use shared_types::{Estimate, FitUpdate, Verdict};
 
 use crate::streams::Newest;
 
@@ -61,22 +61,12 @@ pub fn measured(run_id: u64, estimate: impl FnOnce() -> LiveEstimate) -> FitUpda
 
 fn message(parameter: &LiveParameter) -> Estimate {
     let [ci95_low, ci95_high] = parameter.ci95.unwrap_or([f64::NAN; 2]);
-    let verdict = match parameter.verdict {
-        live::Verdict::NotYet => Verdict::NotYet,
-        live::Verdict::Estimated => Verdict::Estimated,
-        live::Verdict::Absent => Verdict::Absent,
-    };
-    let convergence = match parameter.convergence {
-        live::Convergence::Open => Convergence::Open,
-        live::Convergence::Converged => Convergence::Converged,
-        live::Convergence::Negligible => Convergence::Negligible,
-    };
     Estimate {
         value: parameter.value.unwrap_or(f64::NAN),
         ci95_low,
         ci95_high,
-        verdict: verdict.code(),
-        convergence: convergence.code(),
+        verdict: parameter.verdict.code(),
+        convergence: parameter.convergence.code(),
     }
 }
 

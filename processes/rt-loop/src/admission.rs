@@ -41,7 +41,7 @@ impl Admission {
         }
         let rendered = RenderedModel::new(model, &self.calibration)?;
         let mut remarks = self.bounds.check(model)?;
-        let is_outweighed = |shaft: Coupling| (1.0 - shaft.inner_share) * model.inertia() < self.bounds.least_inertia;
+        let is_outweighed = |shaft: Coupling| shaft.inertias(model.inertia())[0] < self.bounds.least_inertia;
         if model.coupling().is_some_and(|shaft| shaft.half_gap_rad == 0.0 && is_outweighed(shaft)) {
             remarks.push(format!(
                 "{:.4} mNm·s²/rad of the inertia, gripper and rotor, are in front of the shaft, not behind it",

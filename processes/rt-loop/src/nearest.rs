@@ -149,7 +149,7 @@ fn set_share(model: &mut Model, share: f64) -> bool {
 
 /// Another cap before the same inner body.
 fn set_cap(model: &mut Model, cap: f64) -> bool {
-    let inner = model.coupling().map_or(0.0, |coupling| coupling.inner_share) * model.inertia();
+    let inner = model.coupling().map_or(0.0, |coupling| coupling.inertias(model.inertia())[1]);
     set_inertia(model, cap + inner) && set_share(model, inner / (cap + inner))
 }
 

@@ -253,8 +253,8 @@ impl Capture {
         // A simulated inner body is driven by the angle; only the cap's share feels the acceleration's noise.
         let gap = structure.model().coupling().filter(|coupling| coupling.half_gap_rad > 0.0);
         let Some(coupling) = gap else { return self.floor_mnm(structure.inertia()) };
-        let of_cap = self.floor_mnm((1.0 - coupling.inner_share) * structure.inertia());
-        of_cap.hypot(self.driven_noise_mnm(structure))
+        let [cap, _] = coupling.inertias(structure.inertia());
+        self.floor_mnm(cap).hypot(self.driven_noise_mnm(structure))
     }
 
     /// RMS that a residual beside a knob of this inertia would have if all of it were like the tenth of its stretches that is the quietest for

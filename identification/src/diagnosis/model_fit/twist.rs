@@ -73,7 +73,7 @@ fn shaft(effect: &Effect) -> Option<Coupling> {
 pub(crate) fn is_overdamped(structure: &Structure) -> bool {
     let shaft = structure.effects.last().and_then(shaft);
     shaft.is_some_and(|shaft| {
-        let inner = shaft.inner_share * structure.inertia();
+        let [_, inner] = shaft.inertias(structure.inertia());
         shaft.damping > 2.0 * (shaft.stiffness_mnm_rad * inner).sqrt()
     })
 }
@@ -132,7 +132,7 @@ pub(crate) fn unwound(structure: &Structure, capture: &Capture) -> Option<(Struc
 
 /// The capture of a knob as it would be with the motion of the shaft's other end, its inertias at both ends taken together.
 fn behind(shaft: &Coupling, knob: &Structure, capture: &Capture) -> Capture {
-    let outer = (1.0 - shaft.inner_share) * knob.inertia();
+    let [outer, _] = shaft.inertias(knob.inertia());
     let mut behind = capture.with_motion(motion(shaft, outer, knob.delay_s(), capture));
     behind.row_filter.response = Some(response(shaft, knob.inertia(), capture));
     behind
@@ -189,7 +189,7 @@ impl Passed {
     fn at(frequency_hz: f64, shaft: &Coupling, inertia: f64, capture: &Capture) -> Self {
         let turning = TAU * frequency_hz;
         let spring = Complex::new(shaft.stiffness_mnm_rad, turning * shaft.damping);
-        let [outer, inner] = [1.0 - shaft.inner_share, shaft.inner_share].map(|share| share * inertia);
+        let [outer, inner] = shaft.inertias(inertia);
         let torque = spring / (spring - inner * turning * turning);
         let felt = torque * (outer + inner * (1.0 - outer * turning * turning / spring));
         let of_torque = capture.torque_density();

@@ -69,7 +69,8 @@ fn title(page: &AveragePage<'_>) -> String {
     sources.join(" and ")
 }
 
-fn agreement_words(agreement: Agreement) -> String {
+/// Whether captures agree.
+pub(crate) fn agreement_words(agreement: Agreement) -> String {
     let Agreement { chi_squared, degrees_of_freedom, probability, birge_ratio } = agreement;
     let verdict = if agreement.agrees() {
         "The captures agree within their intervals"

@@ -4,11 +4,9 @@ use maud::{Markup, html};
 
 use super::input::{ComparedCapture, ComparedKnob, Comparison};
 use super::table::{MOST_COLUMNS, value};
+use crate::average::agreement_words;
 use crate::numbers::{Digits, count, three, two};
 use crate::parameter_table::name_cells;
-
-/// Probabilities below this are shown as smaller.
-const SMALLEST_PROBABILITY: f64 = 1e-6;
 
 /// Every capture in a row of its own.
 pub(super) fn list(compared: &Comparison) -> Markup {
@@ -59,19 +57,7 @@ pub(super) fn list(compared: &Comparison) -> Markup {
 pub(super) fn side_by_side(knob: &ComparedKnob) -> Markup {
     html! {
         h3 { (knob.name) ": its captures one by one" }
-        @if let Some(agreement) = knob.agreement {
-            p.lead {
-                @if agreement.agrees() {
-                    "The captures agree within their intervals: "
-                } @else {
-                    "The captures differ by more than their intervals allow, and the mean’s intervals are wider for it: "
-                }
-                "χ²\u{a0}=\u{a0}" (three(agreement.chi_squared)) " over " (agreement.degrees_of_freedom)
-                " degrees of freedom, which chance alone exceeds with a probability "
-                @if agreement.probability < SMALLEST_PROBABILITY { "below 10⁻⁶" } @else { "of " (two(agreement.probability)) }
-                "; Birge ratio " (three(agreement.birge_ratio)) "."
-            }
-        }
+        @if let Some(agreement) = knob.agreement { p.lead { (agreement_words(agreement)) } }
         @for captures in knob.captures.chunks(MOST_COLUMNS - 1) {
             div.scroll {
                 table.parameters.compared.side {

@@ -129,7 +129,7 @@ const ROUNDING: f64 = 1e-9;
 /// Inertia of the body in front of a gap or a shaft. Of a shaft rotor and gripper, the `least`, are in front whatever the model has there: they
 /// count as part of the knob's inertia.
 pub(crate) fn cap_inertia(coupling: &Coupling, inertia: f64, least: f64) -> f64 {
-    let own = (1.0 - coupling.inner_share) * inertia;
+    let [own, _] = coupling.inertias(inertia);
     if coupling.half_gap_rad == 0.0 { own.max(least) } else { own }
 }
 
