@@ -76,7 +76,7 @@ impl Schemas {
         }
     }
 
-    /// Defines a channel and gives what it holds; `None` if it was defined before, as files repeat definitions, or exceeds the bounds.
+    /// Defines a channel and gives its definition. `None` if the channel exceeds the bounds, or was defined before: files repeat definitions.
     pub(crate) fn define(&mut self, channel: mcap::records::Channel) -> Option<ChannelDefinition> {
         let schema = self.known.get(&channel.schema_id).cloned();
         let is_complete = schema.is_some() || channel.schema_id == 0;
@@ -86,7 +86,7 @@ impl Schemas {
         if self.defined.contains(&channel.id) || self.defined.len() >= MOST_CHANNELS || !self.take_room(bytes) {
             return None;
         }
-        // One whose schema comes later is defined again.
+        // A channel that comes before its schema is defined once more when it comes again.
         if is_complete {
             self.defined.insert(channel.id);
         }

@@ -330,8 +330,8 @@ fn u32_at(bytes: &[u8], offset: usize) -> Option<u32> {
     Some(u32::from_le_bytes(*bytes.get(offset..)?.first_chunk()?))
 }
 
-/// Decompresses a chunk. With `checked` it has records only if its checksum holds; without, all records that can be read before
-/// the bytes end or are damaged.
+/// Decompresses a chunk. If `checked`, a chunk whose checksum is wrong gives no records; else it gives those before the first damaged
+/// byte.
 fn unpack(frame: &[u8], checked: bool) -> Unpacked {
     let mut reader = LinearReader::new_with_options(
         LinearReaderOptions::default()

@@ -12,9 +12,9 @@ use crate::TorqueTable;
 static TEXTS: Mutex<Vec<&'static str>> = Mutex::new(Vec::new());
 static TABLES: Mutex<Vec<&'static TorqueTable>> = Mutex::new(Vec::new());
 
-/// The kept text that equals `wanted`.
+/// A text that lives as long as the program and equals `wanted`: kept from before, or now.
 pub(crate) fn text(wanted: &str) -> &'static str {
-    // Whoever panicked while holding the lock left the list as it was.
+    // A poisoned lock does no harm: nothing that panics changes the list.
     let mut kept = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(found) = kept.iter().find(|text| **text == wanted) {
         return found;

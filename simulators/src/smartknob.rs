@@ -103,8 +103,8 @@ impl SmartKnob {
         (V_PER_RAD * strength * (off_rad - off_rad.clamp(-dead, dead))).clamp(-SUPPLY_V, SUPPLY_V)
     }
 
-    /// The volts that a slow hand feels against it, there and back from below the first position: the first angle and the
-    /// step in rad, then both ways by angle.
+    /// The resistance, in volts, to a slow turn from below the first position and back: the first angle and the step of
+    /// the angles, rad, then the volts of either way in order of the angle.
     #[must_use]
     pub fn slow_turn(&self) -> ([f64; 2], [Vec<f64>; 2]) {
         let width = self.position_width_radians;

@@ -241,12 +241,12 @@ fn smoother(cutoff_hz: f64, rate_hz: f64) -> Fir {
     Fir::kaiser_low_pass((SMOOTH_PERIODS * rate_hz / cutoff_hz).ceil() as usize, cutoff_hz, rate_hz, SMOOTH_BETA)
 }
 
-/// Whether a column is smooth to rounding and neither early nor late against the derivative of another.
+/// Whether a column is the derivative of another but for rounding: smooth, and neither early nor late.
 fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
     /// Samples that are differentiated together.
     const BLOCK: usize = 2048;
     let (length, size) = (column.len(), rms(column));
-    // Motion hardly shows in fourth differences.
+    // Fourth differences show noise: those of a motion are far smaller.
     let smooth = vector::small_fourth_differences(column, EXACT * size * MEDIAN_FOURTH_DIFFERENCE);
     if !(size > 0.0 && 2 * smooth > length.saturating_sub(4)) {
         return false;

@@ -197,8 +197,8 @@ fn samples(duration_s: f64, rate_hz: f64) -> usize {
     (duration_s * rate_hz).round() as usize
 }
 
-/// The mask without fading: zero at slow and at lost samples, within the filters' reach of lost samples and of both ends, and as many
-/// samples around a run of slow ones as `guard` gives for its length.
+/// The mask without fading. It is zero at lost samples and both ends and within the filters' reach of them, and at runs of slow samples and
+/// as many samples around each as `guard` gives for its length.
 ///
 /// Where a measured velocity changes its sign from one sample to the next, both count as slow.
 fn mask(uniform: &Uniform, motion: &KnobMotion, threshold_rad_s: f64, guard: impl Fn(usize) -> usize) -> Vec<f64> {

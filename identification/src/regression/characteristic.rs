@@ -117,8 +117,8 @@ pub(crate) struct Places {
 }
 
 impl Places {
-    /// For samples of a torque over an angle: half of the points are spread evenly, half by the root of the second derivative (C. de Boor,
-    /// A Practical Guide to Splines, 1978, chapter XII). `None` where the angle does not change.
+    /// The density of a spline's points for samples of angle and torque: half of it is constant, half proportional to the root of the second
+    /// derivative (C. de Boor, A Practical Guide to Splines, 1978, chapter XII). `None` where the angle does not change.
     pub(crate) fn of(samples: &(impl Iterator<Item = (f64, f64)> + Clone)) -> Option<Self> {
         let angles = || samples.clone().map(|(angle_rad, _)| angle_rad);
         let (lowest_rad, highest_rad) =

@@ -188,11 +188,10 @@ impl LeastSquares {
         robust
     }
 
-    /// The same where the columns from `first` on are the points of curves, many of them: enlarged by the rows over those that the fit left,
-    /// since what [`Self::robust`] looks at in the columns instead grows with the fourth power of their number.
+    /// Robust covariance where the columns from `first` on are the many points of curves: enlarged by rows over degrees of freedom. The cost of
+    /// the leverage that [`Self::robust`] takes instead grows with the fourth power of the number of columns.
     ///
-    /// A point that few passes show has few scores to tell its variance by, of which the fit took a good part: it is not known better than if
-    /// the residual were noise of one size.
+    /// A point that few passes cross has few scores, and the fit has shrunk them: its variance is at least the textbook's.
     pub(crate) fn robust_of_points<C: Deref<Target = [f64]>>(&self, columns: &[C], first: usize) -> DMatrix<f64> {
         let (middle, _) = long_run::covariance(&self.scores(columns));
         let mut robust = &self.inverse * middle * &self.inverse * (self.residual.len() as f64 / self.freedom());

@@ -127,6 +127,7 @@ fn change(model: &mut Model, of: impl Fn(&EffectKind, &str, &str, f64) -> f64) -
     changed
 }
 
+/// Scales a model's inertia to this value, or gives it one.
 fn set_inertia(model: &mut Model, inertia: f64) -> bool {
     let now = model.inertia();
     if now > 0.0 {

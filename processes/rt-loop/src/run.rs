@@ -35,7 +35,7 @@ const TAKES_LONG: Duration = Duration::from_secs(2);
 /// Longest time for a rig to abort its preparation, and to switch off.
 const GIVES_UP: Duration = Duration::from_secs(2);
 
-/// The real-time process with these drivers: the whole of a program that drives rigs of its own.
+/// Runs the real-time process with these drivers. A program for other rigs calls this and nothing else:
 ///
 /// ```no_run
 /// # use rt_loop::rigs::RigKind;

@@ -68,7 +68,7 @@ pub(crate) fn detent_spacing_deg(period_rad: f64) -> f64 {
 pub(crate) fn plus_minus(parameter: &Parameter) -> Option<String> {
     let value = parameter.value?;
     Some(match parameter.ci95 {
-        // Held at a bound, the interval lies on one side.
+        // A value that the fit holds at its bound is the lower end of its interval.
         Some([low, high]) if value <= low && high > low => {
             format!("at most {}", Digits::of_interval(high, high - low).show(high))
         }

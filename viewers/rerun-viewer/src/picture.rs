@@ -109,7 +109,7 @@ impl Picture {
         }
     }
 
-    /// Takes in consecutive samples of a run; without a rate they have no time and are not shown.
+    /// Takes in consecutive samples of a run. They are not shown before the run's rate is known, by which their ticks become times.
     pub fn take_samples(&mut self, run_id: u64, samples: &[Sample]) {
         self.turn_to_run(run_id);
         let Some(rate_hz) = self.run.rate_hz() else { return };

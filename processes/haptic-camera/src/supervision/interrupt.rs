@@ -18,7 +18,7 @@ pub(crate) struct Interrupt {
 impl Interrupt {
     pub(crate) fn listen() -> anyhow::Result<Self> {
         let (noted, at_rest) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(true)));
-        // A program that was started to outlive its terminal (`nohup`) does.
+        // A program started by `nohup` ignores SIGHUP, to outlive its terminal.
         let hang_up = (!is_ignored(SIGHUP)).then_some(SIGHUP);
         for signal in [SIGINT, SIGTERM].into_iter().chain(hang_up) {
             flag::register_conditional_shutdown(signal, STOPPED, Arc::clone(&at_rest))?;

@@ -123,7 +123,7 @@ impl SupervisedRun {
         end
     }
 
-    /// Makes a run that further work rests on, to its planned end; gives its archive, and whether data was lost.
+    /// Makes a run and requires that it comes to its planned end; gives its archive and whether data was lost.
     pub(crate) fn complete(&self, interrupt: &Interrupt) -> anyhow::Result<(PathBuf, Outcome)> {
         let Self { in_words, archive, .. } = self;
         let end = self.take(interrupt)?.ok_or(LoopSaidWhy)?;
