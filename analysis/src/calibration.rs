@@ -23,10 +23,10 @@ pub enum CalibrationKind {
 }
 
 impl CalibrationKind {
-    /// Finds it in a capture of a rig of which so much is known.
+    /// Determines this part of the calibration from a capture, given what is known of the rig.
     ///
     /// # Errors
-    /// [`CalibrateError`], why the capture does not tell it.
+    /// [`CalibrateError`], the reason why the capture does not determine it.
     pub fn calibrate(self, loaded: &LoadedCapture, known: &Calibration) -> Result<Calibrated, CalibrateError> {
         let samples = &loaded.samples();
         match self {

@@ -154,8 +154,8 @@ impl Check {
     }
 }
 
-/// Takes back all breakaways of a knob that one of its captures shows to have lost motion: where its cap sets out through
-/// the gap looks like a breakaway, and what bears the torque beyond it rests at an angle that the encoder does not see.
+/// Discards the breakaways in all captures of a knob if one capture shows lost motion. The start of the cap's motion through the gap looks
+/// like a breakaway, and the inner body, which bears the torque, rests at an angle that the encoder does not measure.
 fn withhold_breakaways(axis: Axis, captures: &mut [Shown]) {
     let ways: Vec<f64> = captures.iter().flat_map(|shown| &shown.free_travel).map(FreeTravel::travel_rad).collect();
     if ways.is_empty() {

@@ -9,8 +9,8 @@ use serde::Serialize;
 use crate::error::same_axis;
 use crate::{AnalysisError, title};
 
-/// Finds what a model lacks, with all that is known of the rig; without a model that of inertia, friction and detents. The captures are
-/// exchanged where that names what has no name otherwise.
+/// Finds what a model lacks, using all that is known of the rig. The default model has inertia, friction and detents. The captures
+/// exchange their roles if the missing effects can be named only so.
 ///
 /// # Errors
 /// [`AnalysisError`], why there can be no meaningful verdict, in one sentence.
@@ -25,8 +25,7 @@ pub fn diagnose(
     Ok(diagnosis::diagnose_either_way(&train.samples(), samples.as_ref(), &options)?)
 }
 
-/// The same with captures that keep their roles, and the largest distance from the start to which the next experiment may move the control,
-/// rad.
+/// Like [`diagnose`], but the captures keep their roles. The next experiment may move the control at most `reach_rad` from the start.
 ///
 /// # Errors
 /// As [`diagnose`].

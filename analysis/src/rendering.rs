@@ -228,8 +228,8 @@ fn refined_parameters(model: &Model, found: &Diagnosis) -> Vec<RenderedParameter
 
 /// RMS of rendered minus intended torque over the fit's rows, and of the intended torque, mNm.
 ///
-/// A row is a mean over samples, some of them left out where the knob may stick: rendered minus fitted torque is the fit's
-/// residual there, to which comes what the fitted model differs from the intended one for the row's motion.
+/// A row is a mean over samples, without those where the knob may stick. Its error is the fit's residual (rendered minus fitted torque)
+/// plus fitted minus intended torque for the row's motion.
 fn torque_error_mnm(model: &Model, fit: &Fit) -> [f64; 2] {
     let mut fitted = fit.model(&model.name);
     // Parameters that are not separately identifiable make up the torque together: their fitted values are used as they are.
@@ -250,8 +250,8 @@ fn torque_error_mnm(model: &Model, fit: &Fit) -> [f64; 2] {
 /// Length of the means in which torques of a knob of two bodies are compared, s: the band of a diagnosis, 200 Hz.
 const MEAN_S: f64 = 0.0025;
 
-/// RMS of captured minus simulated torque over means of the capture, and of the captured torque, mNm: the model as it is, its inner
-/// body simulated behind the measured motion of the cap.
+/// RMS of captured minus simulated torque, and RMS of captured torque, both of means over [`MEAN_S`], mNm. The model is not refined;
+/// its inner body is simulated behind the measured motion of the cap.
 fn along_motion_mnm(model: &Model, capture: &LoadedCapture) -> Result<[f64; 2], AnalysisError> {
     let gripper_inertia = capture.calibration.as_ref().map_or(0.0, |known| known.gripper_inertia);
     let motions = identification::knob_motion(&capture.samples(), capture.calibration.as_ref())?;

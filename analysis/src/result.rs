@@ -22,7 +22,7 @@ pub fn to_json_on(axis: Axis, result: &impl Serialize) -> Result<String, serde_j
 /// Keys that hold what others called something.
 const AS_GIVEN: [&str; 5] = ["title", "source", "capture", "captures", "model"];
 
-/// Keys, and texts that are no names, in the words of an axis; what a phase is measured in stays.
+/// Translates keys and texts into the words of an axis, except for given names and the unit of a phase.
 fn in_words_of(axis: Axis, value: Value, is_phase: bool) -> Value {
     match value {
         Value::Object(map) => {

@@ -20,7 +20,7 @@ use crate::{columns, csv_file, mcap_file, memory};
 pub struct Capture {
     /// Where it was read from; empty for one made in memory.
     pub source: PathBuf,
-    /// Whether the control was turned; of one that was pressed or slid, the columns hold mm where they say rad, and N where mNm.
+    /// Whether the control was turned. If it was pressed or slid, columns named for rad hold mm, and columns named for mNm hold N.
     pub axis: Axis,
     /// Sample rate, Hz: as described in an archive, from the median interval of a table.
     pub rate_hz: f64,
@@ -139,8 +139,8 @@ impl Capture {
         self.description.as_ref().is_some_and(RunDescription::is_rendered)
     }
 
-    /// The capture with the torque that the knob takes, whoever drives: of a rendering that is minus what the sensor reads, and
-    /// the motor's command drives nothing. Its calibration is to be taken as the hand sees it.
+    /// The capture with the torque that the knob takes, whoever drives it. In a rendering, that is minus the sensor's reading, and the
+    /// commanded torque is removed, since it drives nothing; the calibration to use is the one seen from the hand.
     #[must_use]
     pub fn of_knob(mut self) -> Self {
         if self.is_rendered() {

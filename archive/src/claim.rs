@@ -6,19 +6,19 @@ use std::path::{Path, PathBuf};
 
 use crate::parts;
 
-/// The name of an archive that is to be, and with another ending of whatever is made of it: no other run takes it.
+/// A claim on the name of an archive, and on the same name with other endings for its results: no other run uses the name.
 ///
-/// Until the archive lies there a hidden file holds the name; it goes with this, or with [`release`].
+/// A hidden file holds the claim until the archive exists. Dropping the claim or calling [`release`] removes that file.
 #[derive(Debug)]
 pub struct Claim {
     archive: PathBuf,
 }
 
 impl Claim {
-    /// Claims the first free name in `folder`: `STEM.mcap`, else `STEM_02.mcap` and so on, which sort behind it as a dash would not.
+    /// Claims the first free name in `folder`: `STEM.mcap`, else `STEM_02.mcap` and so on. The underscore makes the numbered names sort
+    /// behind `STEM.mcap`; a dash would not.
     ///
-    /// A folder that cannot be written to has nobody to share names with, and the recorder goes elsewhere then: the name is
-    /// given unclaimed.
+    /// If the folder cannot be written to, returns an unclaimed name: no other run writes there, and the recorder goes elsewhere.
     #[must_use]
     pub fn take(folder: &Path, stem: &str) -> Self {
         let mut number = 1;

@@ -39,7 +39,7 @@ pub(crate) struct Column {
     pub(crate) fill: Option<fn(&mut Sample, &Capture, usize)>,
 }
 
-/// The entry of a column that every capture has, or of one that may be absent, with what a sample then says.
+/// The entry of a required column, or of an optional column with the value that samples have where the capture lacks the column.
 macro_rules! column {
     ($name:ident, $kind:ident) => {
         Column {

@@ -37,7 +37,7 @@ pub(crate) struct Combiner<W: Write + Seek> {
     noted_gap: Option<Gap>,
 }
 
-/// Messages by their hash: of four thousand, two differ by all but the chance of one in 10^12.
+/// Hashes of the latest messages. The probability that any two of four thousand different messages share a hash is one in 10^12.
 #[derive(Default)]
 struct Seen {
     order: VecDeque<u64>,
@@ -45,7 +45,7 @@ struct Seen {
 }
 
 impl Seen {
-    /// True the first time.
+    /// Remembers a message; true if it was not remembered already.
     fn note(&mut self, topic: &str, body: &[u8]) -> bool {
         let mut hasher = DefaultHasher::new();
         (topic, body).hash(&mut hasher);
@@ -189,9 +189,9 @@ impl<W: Write + Seek> Combiner<W> {
         }
     }
 
-    /// Takes a gap at the end of the run from the source's own record, which knew how many samples there were.
+    /// Adds the gap at the end of the run that the source's record `gaps` names: its writer knew the number of samples.
     ///
-    /// No checksum covers that record: it is believed where it continues the samples that are there.
+    /// No checksum covers that record, so the gap is added only if it begins right after the last sample.
     pub(crate) fn take_over_noted_gap(&mut self) {
         if let Some(Gap { first_missing_seq, last_missing_seq, count }) = self.noted_gap
             && first_missing_seq == self.ledger.next()

@@ -49,10 +49,10 @@ pub(crate) fn axis_of(path: &Path) -> Result<Option<Axis>, ArchiveError> {
     Ok([Axis::Rotary, Axis::Linear].into_iter().find(has_all))
 }
 
-/// The rate of a table, Hz: ticks over the whole span, where the median interval says what a tick is.
+/// The rate of a table, Hz: the number of ticks divided by the whole time span. The median interval is the first estimate of a tick.
 ///
-/// Times in tables are rounded; over the whole span that no longer matters. 0 when time does not
-/// rise, which validation refuses.
+/// Times in tables are rounded, which is negligible over the whole span. The rate is 0 if time does not rise; validation refuses such
+/// a table.
 fn rate_hz(t_s: &[f64]) -> f64 {
     let (Some(first), Some(last)) = (t_s.first(), t_s.last()) else {
         return 0.0;
@@ -62,7 +62,7 @@ fn rate_hz(t_s: &[f64]) -> f64 {
     let Some(&median) = intervals.get(intervals.len() / 2) else {
         return 0.0;
     };
-    // Interval by interval, so that the median's rounding does not add up; twice, for long gaps.
+    // Each interval is rounded to whole ticks by itself: the median's rounding error does not accumulate. The second pass is for long gaps.
     let rate = [(); 2].iter().fold(1.0 / median, |rate, ()| {
         let ticks: f64 = intervals.iter().map(|interval| (interval * rate).round()).sum();
         ticks / (last - first)

@@ -52,7 +52,7 @@ pub(crate) fn read_records(
     while let Some(event) = reader.next_event() {
         match event.map_err(|error| broken(path, &error))? {
             LinearReadEvent::ReadRequest(need) => {
-                // A length that the file only claims makes no room in memory.
+                // The file may claim any length, so no more than `READ_BYTES` are allocated at a time.
                 let read = file
                     .read(reader.insert(need.clamp(1, READ_BYTES)))
                     .map_err(|error| ArchiveError::file(path, error))?;

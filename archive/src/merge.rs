@@ -135,7 +135,7 @@ fn merge_into<W: Write + Seek>(
     Ok(MergeSummary { ledger, messages, unchecked_samples, bytes_dropped })
 }
 
-/// The parts with the `seq` each begins with, the earliest last; a part without samples first of all.
+/// The parts with their first `seq`, in descending order, to be popped from the end. A part without samples counts as beginning at 0.
 fn by_first_sample(parts: &[PathBuf]) -> Result<Vec<(u64, PathBuf)>, ArchiveError> {
     let mut order = Vec::new();
     for path in parts {

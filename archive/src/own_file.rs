@@ -28,8 +28,8 @@ pub fn open(path: &Path) -> std::io::Result<File> {
     Ok(file)
 }
 
-/// Whether what the calling process makes in `folder` belongs to this user: a file system may know no owners, as those of memory
-/// sticks, or name another one, as those of a network do to an administrator.
+/// Whether new files of the calling process in `folder` belong to user `owner`. A memory stick's file system may have no owners; a network
+/// file system may show an administrator another owner.
 fn is_owner_of_new_files(owner: u32, folder: &Path) -> bool {
     tempfile::tempfile_in(folder).and_then(|file| file.metadata()).is_ok_and(|made| made.uid() == owner)
 }

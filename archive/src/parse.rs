@@ -36,7 +36,7 @@ pub(crate) const fn shape(opcode: u8) -> &'static [Stretch] {
     }
 }
 
-/// A record by its body, as [`mcap::parse_record`] gives it, which makes room for whatever length a text claims.
+/// Parses a record with [`mcap::parse_record`]. That allocates whatever length a text claims, so the lengths are checked first.
 ///
 /// # Errors
 /// When the body is no such record, or ends before a text in it does.

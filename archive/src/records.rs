@@ -245,8 +245,8 @@ impl<R: Read> IntactRecords<R> {
     }
 }
 
-/// Whether `more_bytes` may be unpacked and compared with a checksum too, at `position` of the file; counts them if so. Without a limit, records
-/// inside records could keep the reader busy for ever.
+/// Whether `more_bytes` of a record that ends at `position` may be unpacked and compared with a checksum; if so, counts them. Without a
+/// limit, records inside records could keep the reader busy for ever.
 fn may_check(checked_bytes: &mut u64, more_bytes: u64, position: u64) -> bool {
     let total = checked_bytes.saturating_add(more_bytes);
     let permitted = total <= 2 * may_unpack_to(position);

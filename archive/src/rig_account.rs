@@ -62,7 +62,7 @@ impl RigAccount {
 /// Ticks beyond which an exchange with the rig took too long.
 const MANY_TICKS: f64 = 10.0;
 
-/// Where the fields of a sample lie that tell it; `None` for one that the sample does not have.
+/// Layout of the sample fields that the account is computed from; `None` for a field that the samples do not have.
 #[derive(Debug)]
 pub(crate) struct AccountFields {
     tick: Option<FieldLayout>,
@@ -89,8 +89,8 @@ impl AccountFields {
     }
 }
 
-/// By how much more than rounding makes of it a run must be longer or shorter than its rate has it, for its ticks to have followed a
-/// clock of the rig's, ns.
+/// Difference between a run's length and that at its nominal rate above which the ticks must have followed the rig's clock, ns. It is
+/// larger than any rounding error.
 const FOLLOWED_NS: f64 = 100.0;
 
 /// What was read so far, in memory that does not grow.

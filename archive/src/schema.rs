@@ -82,8 +82,8 @@ pub enum SchemaError {
 const MAX_FIELDS: usize = 4096;
 /// More lines, counted each time that an array repeats them, than any message of an instrument has.
 const MAX_LINES: usize = 65_536;
-/// More bytes than any schema of an instrument has, and than the names of all fields have together: a name counts again in
-/// every element of an array.
+/// More bytes than any schema of an instrument has. The names of all fields together may have 16 times as many: a name counts again
+/// in every element of an array.
 const MAX_BYTES: usize = 65_536;
 /// Deeper than any message of an instrument nests.
 const MAX_DEPTH: usize = 16;
@@ -209,7 +209,7 @@ struct Placing<'a> {
     end: usize,
     /// A field of variable size was met: nothing behind it has a fixed place.
     variable: bool,
-    /// Messages and lines of theirs that were gone through: a message without fields makes an array endless too.
+    /// Messages and lines placed so far, repetitions included: even an array of a message without fields can take endless time.
     lines: usize,
     /// Length of all names so far.
     name_bytes: usize,

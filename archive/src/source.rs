@@ -145,7 +145,7 @@ impl<R: Read> Source<R> {
             tick = tick_field.as_ref().and_then(|field| field.as_u64(bytes));
         }
         if !self.checked {
-            // Nothing vouches for these bytes but their order: stop at the first that is off.
+            // Only the order of `seq` vouches for these messages: stop at the first one that does not continue it.
             let follows = seq.is_some() && self.last_seq.is_some_and(|last| seq == last.checked_add(1));
             if !follows {
                 self.waiting.clear();

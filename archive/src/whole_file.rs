@@ -29,7 +29,7 @@ const STANDARD_ERROR: &str = "/dev/stderr";
 /// How far into a file its mark may lie, bytes.
 const MARK_WITHIN: u64 = 64 * 1024;
 
-/// What an output meets that it may not replace, and one that may replace nothing.
+/// What is in the way of an output that may replace earlier ones of its kind, and of an output that may replace nothing.
 const FOREIGN: &str = "an existing file, not an earlier output of the same kind";
 const TAKEN: &str = "there already";
 
@@ -85,7 +85,7 @@ fn unwritable(path: &Path, reason: &impl ToString) -> ArchiveError {
     ArchiveError::Unwritable { path: path.to_owned(), reason: reason.to_string() }
 }
 
-/// Why there can be no file in the folder, without the name of the temporary one, which the error has.
+/// Why no file can be created in the folder. The text of `error` is not used, since it names the temporary file.
 fn no_place(path: &Path, error: &std::io::Error) -> ArchiveError {
     match error.kind() {
         ErrorKind::NotFound => unwritable(path, &"there is no such folder"),
@@ -146,7 +146,7 @@ fn is_trusted(found: &Metadata) -> bool {
     found.uid() == 0 || found.uid() == geteuid().as_raw()
 }
 
-/// Opens what is no file; of what this process has open already, the same once more, so that nothing is written over.
+/// Opens a stream for writing. Standard output and standard error are duplicated, not opened anew, so that nothing is overwritten.
 fn open_stream(path: &Path) -> std::io::Result<File> {
     match path.to_str() {
         Some(STANDARD_OUTPUT) => Ok(std::io::stdout().as_fd().try_clone_to_owned()?.into()),
@@ -178,7 +178,7 @@ fn is_replaceable(path: &Path, replace: Replace) -> std::io::Result<bool> {
 pub fn put_in_place(from: &Path, to: &Path) -> Result<(), ArchiveError> {
     let finished = tempfile::TempPath::try_from_path(from).map_err(|error| ArchiveError::file(from, error))?;
     if let Err(failed) = finished.persist_noclobber(to) {
-        // It was never temporary; only its removal was.
+        // The finished file is not temporary: it must not be removed when `failed` is dropped.
         let _ = failed.path.keep();
         return Err(not_in_place(to, failed.error));
     }

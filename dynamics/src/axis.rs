@@ -40,8 +40,8 @@ impl Axis {
 
     /// Travel of a fingertip that moves the usual knob by 1 rad, in this axis's unit: the rim is 20 mm from the axis.
     ///
-    /// Numbers known of hands and of knobs hold of what is pressed or slid as well: positions and speeds
-    /// times this, loads over it, inertia, damping and stiffness over its square. Energies are the same.
+    /// It converts values known of hands and knobs to this axis: multiply positions and speeds by it, divide loads by it, and divide
+    /// inertia, damping and stiffness by its square. Energies are the same.
     #[must_use]
     pub fn fingertip_travel(self) -> f64 {
         match self {

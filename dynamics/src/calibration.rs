@@ -12,7 +12,7 @@ use crate::Axis;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
-    /// Whether the rig turns; of one that presses or slides the file has the names and units of that.
+    /// The axis of the rig. The file of a linear rig has the names and units of a linear axis.
     #[serde(default, skip_serializing_if = "Axis::is_rotary")]
     pub axis: Axis,
     /// Inertia that turns with the knob beyond the torque sensor (gripper, half the coupling), mNm·s²/rad.
@@ -204,10 +204,10 @@ impl Calibration {
         self.axis.words(&toml::to_string(self).unwrap_or_default()).into_owned()
     }
 
-    /// The same rig as the hand on its gripper sees it, for whom the torque sensor reads minus what the rendered knob takes.
+    /// The same rig as seen from the hand on its gripper, where the torque sensor reads minus the torque that the rendered knob takes.
     ///
-    /// With this and the torque's sign turned, a capture of a rendering is analysed as one of a knob: the gripper turns with the
-    /// rendered knob and not beside it, and the gripper is ahead of the encoder by torque over stiffness.
+    /// With this calibration and the sign of the torque reversed, a capture of a rendering is analysed as a capture of a knob: the gripper
+    /// turns with the rendered knob and not beside it, and the gripper is ahead of the encoder by torque over stiffness.
     #[must_use]
     pub fn seen_from_the_hand(&self) -> Self {
         Self {

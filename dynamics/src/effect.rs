@@ -91,7 +91,7 @@ impl Effect {
         self.kind().parameters[parameter].minimum == Minimum::ZeroOrAbsent && self.values()[parameter] == 0.0
     }
 
-    /// The searches among the parameters of these columns, but for what is absent or follows another effect's; none without a hypothesis.
+    /// The searches for parameters of the first `columns` columns that are neither absent nor tied to another effect; none without a hypothesis.
     pub fn free_searches(&self, columns: usize) -> impl Iterator<Item = &'static Search> + '_ {
         let used = self.kind().parameters_in(columns);
         let is_free = move |search: &&Search| {

@@ -273,8 +273,8 @@ pub struct Regressors {
     pub columns: usize,
     /// Indices of the parameters that must be searched because columns depend on them.
     pub searched: &'static [usize],
-    /// Writes the columns for one motion, given the effect; fewer where the law has several orders or lines and there is room for the
-    /// first of them only. Of the effect's values only the searched ones are read, but by an end stop: its coefficients say where it lets go.
+    /// Writes the columns for one motion. A law of several orders or lines writes only the first of them that the slice has room for. Of the
+    /// effect's values it reads the searched ones; an end stop reads its coefficients too, which determine where the contact lets go.
     pub fill: fn(&Effect, &Motion, &mut [f64]),
     /// Writes the effect's values from the fitted coefficients; the searched ones are already in place.
     pub values: fn(&[f64], &mut [f64]),

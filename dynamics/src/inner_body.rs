@@ -40,8 +40,8 @@ pub struct InnerBody<'model> {
 pub enum Resolution {
     /// From motion to motion, its resonance resolved.
     Full,
-    /// For motion far below the resonance, which is hardly resolved (the implicit rule stays stable): so many motions on at once, between which
-    /// the torque on the cap goes straight.
+    /// For motion far below the resonance, which is hardly resolved (the implicit rule stays stable): one step covers this many motions, and
+    /// the torque on the cap is interpolated linearly over them.
     Slow(usize),
 }
 
@@ -252,8 +252,8 @@ impl<'model> InnerBody<'model> {
         if braked * frictionless > 0.0 && !sticks { braked } else { 0.0 }
     }
 
-    /// By how much faster a body that slides ends a substep than if only what is held were its load: that of its inertia, which the
-    /// friction brakes, rubs too.
+    /// Correction of a sliding body's velocity at the end of a substep, rad/s: the friction in `held` counts the load of detents and
+    /// springs only, but the torque of the body's inertia is part of the load too.
     #[inline]
     fn less_load_friction_rad_s(
         &self,
@@ -267,7 +267,7 @@ impl<'model> InnerBody<'model> {
         if friction == 0.0 {
             return 0.0;
         }
-        // The spring gives way to what brakes the body, so that only a share of it is the inertia's.
+        // The coupling takes up a part of the braking torque: only the share inertia / mass of it acts on the inertia.
         let of_inertia = friction * held.inertia / free.mass;
         let inertial_mnm = held.inertia * (end_rad_s - self.velocity_rad_s) / step_s;
         let both_mnm = inertial_mnm + held.place_mnm + of_inertia * held.place_mnm.abs();

@@ -164,8 +164,8 @@ impl StickLimits {
     }
 }
 
-/// The load of a body that slides, mNm, from what load + μ·|load| must balance, mNm, μ being friction over the load with the sign of the
-/// direction.
+/// Solves load + μ·|load| = `both_mnm` for the load of a sliding body, mNm. μ, `signed_load_friction`, is friction over the load with the
+/// sign of the direction.
 pub(crate) fn balanced_load_mnm(both_mnm: f64, signed_load_friction: f64) -> f64 {
     both_mnm / (1.0 + signed_load_friction * both_mnm.signum())
 }

@@ -121,7 +121,7 @@ impl Model {
         torque_mnm
     }
 
-    /// The motions whose torque was read within their own time, in spite of the delay.
+    /// Indices of the motions whose delayed torque reading falls within the times of `motions`.
     #[must_use]
     pub fn readings_within(&self, motions: &[Motion]) -> Range<usize> {
         let (Some(first), Some(last)) = (motions.first(), motions.last()) else { return 0..0 };
@@ -190,11 +190,11 @@ impl Model {
         readings_mnm
     }
 
-    /// The part of sliding friction that a reading is better taken without close to rest, mNm.
+    /// The part of sliding friction to leave out of a reading close to rest, mNm.
     ///
-    /// At rest friction is whatever holds the knob and no function of its motion; a straight line across the band of Karnopp's Δv
-    /// keeps an encoder's noise there from throwing it from one side to the other. None of friction that builds up by itself, with
-    /// bristles or behind a coupling.
+    /// At rest friction is whatever holds the knob and no function of its motion. Without this part, friction rises in a straight line
+    /// through zero across the band of Karnopp's Δv, so that the encoder's noise does not make it jump between both signs. Zero for
+    /// friction that builds up by itself, with bristles or behind a coupling.
     #[must_use]
     pub fn unsettled_friction_mnm(&self, motion: &Motion) -> f64 {
         if motion.velocity_rad_s == 0.0 || self.coupling().is_some() || self.bristles().is_some() {

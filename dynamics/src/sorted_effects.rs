@@ -13,7 +13,7 @@ pub(crate) struct SortedEffects<'model> {
     varies: bool,
     /// Friction over the load.
     pub(crate) load_friction: f64,
-    /// Effects that rub, with what they do at the lowest speed where that is the same everywhere.
+    /// Friction effects, each with its friction at the lowest speed in either direction if that depends on neither place nor time.
     rubbing: Vec<(&'model Effect, Option<[f64; 2]>)>,
     /// Effects that change what others rub.
     changing: Vec<&'model Effect>,

@@ -167,8 +167,8 @@ fn header_line(head: &[u8]) -> &[u8] {
     head.split(|byte| *byte == b'\n').find(is_header).unwrap_or_default()
 }
 
-/// What stands between the cells of a table, from its beginning: semicolons or tabulators where these are there, commas beside them being decimal
-/// ones, or commas. Lines that begin with `#` do not count.
+/// The separator of a table's cells, from the table's beginning: semicolons or tabulators if there are any, since commas beside them are
+/// decimal commas; else commas. Lines that begin with `#` do not count.
 #[must_use]
 pub fn separator(text: &[u8]) -> u8 {
     let head = text.get(..HEAD).unwrap_or(text);

@@ -14,8 +14,8 @@ pub struct Measurement {
     pub torque_mnm: f64,
     /// Whether the contact in what is turned or pressed is closed; `None` on a rig that watches none.
     pub contact: Option<bool>,
-    /// How long after the tick was due the encoder was read, s; below zero for before. A rig with a clock of its own dates by
-    /// that: then this grows as the clocks drift apart.
+    /// How long after the tick was due the encoder was read, s; negative for before. A rig with a clock of its own dates readings
+    /// by that clock: then the value grows as the two clocks drift apart.
     pub after_s: f64,
     /// Nothing new came for this tick: the values are those of an earlier one, or none.
     pub is_stale: bool,
@@ -83,8 +83,8 @@ pub struct RigDescription {
     pub torque: TorqueSource,
     /// Whether it watches a contact in what is turned or pressed.
     pub has_contact: bool,
-    /// By how many ticks a torque acts later than in a rig that reads and drives at the tick: 1 where it takes effect with the next
-    /// [`exchange`](Apparatus::exchange) only, or what is measured is a tick old.
+    /// Delay of a torque's effect beyond that of a rig that reads and drives at the tick, in ticks: 1 where the torque acts only
+    /// from the next [`exchange`](Apparatus::exchange) on, or the measurement is a tick old.
     pub torque_late_ticks: f64,
     /// Most ticks in a row without new data.
     pub stale_limit: u32,
@@ -108,8 +108,8 @@ impl RigDescription {
         format!("the rig '{}': {}", self.name, error.reason(&self.codes))
     }
 
-    /// What is known of the rig as whoever looks at a knob through its torque must take it: where the torque is the motor's,
-    /// the rotor turns beyond the point at which it is taken.
+    /// The calibration for an analysis of the knob from this rig's torque. The motor's torque, where there is no sensor, also
+    /// accelerates the rotor, whose inertia then counts with the gripper's.
     #[must_use]
     pub fn calibration_of_torque(&self) -> Calibration {
         let known = &self.calibration;

@@ -280,8 +280,8 @@ impl Wiring {
         self.contact.is_some()
     }
 
-    /// The measurement that a device's reading means, where `torque_mnm` was the motor's since the one before. One whose angle
-    /// or torque has no new value is stale.
+    /// Converts a device's reading to a measurement; `torque_mnm` is the motor's torque since the reading before. A measurement
+    /// whose angle or torque has no new value is stale.
     #[must_use]
     pub fn measurement(&self, raw: &RawMeasurement, torque_mnm: f64) -> Measurement {
         let is_new = self.angle.is_valid(raw) && self.torque.is_none_or(|wire| wire.is_valid(raw));
@@ -296,7 +296,7 @@ impl Wiring {
         }
     }
 
-    /// The same for a run at a rate: a torque that was commanded since the tick before is half a period old at the mean.
+    /// The wiring for a run at this rate: the command, where it is the torque's source, is half a period old on average.
     #[must_use]
     pub fn at_rate(mut self, rate_hz: f64) -> Self {
         if self.torque.is_none() {
@@ -306,8 +306,8 @@ impl Wiring {
         self
     }
 
-    /// The same for a device that holds a torque from one exchange to the next, and is read just before it changes, whether by its
-    /// current or by a sensor: what that torque makes is half a period old at the mean, the acceleration too.
+    /// The wiring for a device that holds a torque from one exchange to the next and is read just before the torque changes. The
+    /// torque, measured by current or by a sensor, and the acceleration are then half a period old on average.
     #[must_use]
     pub fn held_between_exchanges(mut self, rate_hz: f64) -> Self {
         self.known_delay_s = 0.5 / rate_hz;

@@ -1,4 +1,4 @@
-//! What every rig whose device has channels says of itself, as its file has it.
+//! The part of a rig's description that comes from its file, alike for all drivers of devices with channels.
 
 use dynamics::Calibration;
 

@@ -19,7 +19,7 @@ pub struct Parameter {
     pub unit: &'static str,
     /// 95 % interval that allows for autocorrelated residuals of varying size.
     pub ci95: Option<[f64; 2]>,
-    /// 95 % interval as textbooks have it, for independent residuals of one size; mostly too narrow.
+    /// 95 % interval of the textbooks, for independent and homoscedastic residuals; mostly too narrow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ci95_textbook: Option<[f64; 2]>,
     /// Why there is no value, in a sentence.
@@ -67,7 +67,7 @@ pub struct Covariance {
     /// The symmetric matrix, row by row, in the products of the parameters' units.
     pub rows: Vec<Vec<f64>>,
     /// Half width of a 95 % interval over the standard deviation: more than 1.96, since the covariance is itself estimated.
-    /// It goes with the harmonic mean of the degrees of freedom; each parameter's interval has its own.
+    /// This is Student's quantile for the harmonic mean of the parameters' degrees of freedom; each parameter's interval has its own.
     pub critical: f64,
     /// Degrees of freedom of Student's distribution with the same uncertainty: how well the variances themselves are known.
     pub degrees_of_freedom: f64,
@@ -76,7 +76,7 @@ pub struct Covariance {
 /// One sinusoid of the angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Harmonic {
-    /// Multiple of the detent that it is, the detent itself being 1; `None` if it is no multiple.
+    /// Which multiple of the detent's wavenumber this one is, 1 for the detent itself; `None` if it is no multiple.
     pub order: Option<u32>,
     /// Periods per turn: the wavenumber in 1/rad. A whole number by rule only where a quasi-static fit covered a turn.
     pub per_turn: f64,
@@ -223,7 +223,7 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// The fit with the rows that were compared, and with what these tell in sum.
+    /// The fit with these points, their number, and the residual, relative error and mean interval over all of them.
     pub(crate) fn compared(self, points: Vec<Point>) -> Self {
         let (residual_rms_mnm, relative_error_percent) = residual_of(&points);
         Self {

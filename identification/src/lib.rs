@@ -11,14 +11,14 @@
 //! (the detent period), are not. [`fit`] solves this without a starting point:
 //!
 //! 1. The motion comes from the encoder, low-passed without phase shift where its signal sinks into its
-//!    noise, and differentiated; above the frequency where an accelerometer is quieter, that takes part.
+//!    noise, and differentiated; an accelerometer takes part above the frequency from which it is quieter.
 //! 2. Samples where the knob may stick are multiplied by zero in the torque *and in every column*, then
 //!    all pass one zero-phase low-pass and are decimated: the relation stays exactly linear.
 //! 3. Base effects by linear least squares with Coulomb friction at or above zero; the detent period by
 //!    a scan over everything that the travel supports, refined by Gauss–Newton.
-//! 4. What the sensors' own noise adds to the normal equations is taken off them; it would shift the inertia.
-//! 5. 95 % intervals allow for residuals that are correlated, of varying size, and smaller than the errors by what the
-//!    fit took.
+//! 4. What the sensors' own noise adds to the normal equations is subtracted: it would bias the inertia.
+//! 5. 95 % intervals allow for residuals that are autocorrelated and heteroscedastic, and that the fit has made smaller
+//!    than the errors.
 //!
 //! [`live::LiveFit`] does the same to a stream. [`average()`] makes one model of several captures,
 //! [`calibration`] finds out what is known of a rig, and [`checks`] looks at a capture without a fit.

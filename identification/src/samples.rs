@@ -56,7 +56,7 @@ pub const FEWEST_SAMPLES: usize = 200;
 
 /// Largest magnitude of a measured value, in the column's unit: sums of larger ones' powers overflow.
 pub(crate) const LARGEST: f64 = 1e9;
-/// Longest capture, s: a little more than a day. Simulations and plots also take the time between samples that lie far apart.
+/// Longest capture, s: a little more than a day. Gaps count too, since simulations and plots cover the time between samples.
 const LONGEST_S: f64 = 1e5;
 /// Slowest rate of samples that are fitted, Hz.
 const SLOWEST_HZ: f64 = 0.001;

@@ -110,7 +110,7 @@ impl LoadedCapture {
         }
     }
 
-    /// A capture, or the curve in a file of a tester as one: then time has no part in it, unless somebody chose its column.
+    /// Reads a capture, or a tester's file as a capture. A tester's curve counts as quasi-static unless its time column was chosen.
     ///
     /// # Errors
     /// [`LoadError`], one sentence on what is wrong with a file.
@@ -149,8 +149,8 @@ impl LoadedCapture {
         }
     }
 
-    /// Writes the columns that a fit takes as a table where there is no file yet, and what is known of the rig beside it, from where
-    /// it is read again: returns the place of that, if anything is known.
+    /// Writes the columns that a fit takes as a table where there is no file yet, and the calibration, if known, into a file beside the
+    /// table, from which [`load`](Self::load) reads it again. Returns the path of the calibration.
     ///
     /// # Errors
     /// [`ArchiveError`] where a file is in the way or cannot be written.

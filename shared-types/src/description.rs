@@ -108,7 +108,7 @@ impl RunDescription {
         self.part("calibration", text.map(|text| Calibration::from_toml(text)).transpose())
     }
 
-    /// The calibration as whoever looks at the knob must take it: of a rendering as the hand sees it.
+    /// The calibration for an analysis of the knob: for a rendering, the calibration as seen from the hand.
     ///
     /// # Errors
     /// As [`calibration`](Self::calibration).

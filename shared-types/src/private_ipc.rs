@@ -11,8 +11,8 @@ use iceoryx2_cal::{dynamic_storage, resizable_shared_memory, shared_memory, zero
 
 /// [`ipc::Service`] with its segments as files below the root path of the configuration.
 ///
-/// `ipc::Service` itself makes them by `shm_open`, which knows no folders: in `/dev/shm`, where every user sees their names, can
-/// take the next ones before they are made, and can put links in their place.
+/// `ipc::Service` itself makes segments by `shm_open`, which knows no folders. They lie in `/dev/shm`, where every user sees their
+/// names, can take the next names before they are used, and can put links in the segments' place.
 #[derive(Clone, Debug)]
 pub struct PrivateIpc {}
 

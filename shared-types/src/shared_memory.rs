@@ -16,9 +16,9 @@ use crate::services::{SAMPLE_QUEUE_BLOCKS, SAMPLES_PER_BLOCK, ServiceError};
 use crate::shared_memory_dir::SHARED_MEMORY;
 use crate::{BlockHeader, Sample};
 
-/// What blocks of samples take at most. As many can be out at once as the slowest consumer's queue holds, in which the
-/// history lies too; a share of their number is on loan meanwhile. The pool, sized for six consumers that lag behind by
-/// different blocks, is several times as large, and is used from its beginning.
+/// Most bytes that blocks of samples take. As many blocks can be out at once as the slowest consumer's queue holds, the history
+/// among them; a share of that number is on loan besides. The pool has several times as many blocks, for six consumers that lag
+/// behind by different ones, but it is used from its beginning.
 const SAMPLE_BLOCKS_BYTES: usize = (SAMPLE_QUEUE_BLOCKS + SAMPLE_QUEUE_BLOCKS / 64) * BLOCK_BYTES;
 /// A block with its headers and its place in the pool's books.
 const BLOCK_BYTES: usize = SAMPLES_PER_BLOCK * size_of::<Sample>() + size_of::<BlockHeader>() + 64;

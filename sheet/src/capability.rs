@@ -110,7 +110,7 @@ impl Capability {
     }
 }
 
-/// Mean moving range over that of a unit deviation, and how many degrees of freedom that is worth.
+/// Standard deviation estimated from the mean moving range, and its degrees of freedom.
 fn moving_ranges(values: &[f64]) -> (f64, f64) {
     let steps = values.len() as f64 - 1.0;
     let mean = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum::<f64>() / steps;

@@ -56,7 +56,7 @@ pub struct Figure {
     /// Standard deviation of the error that the interval allows for.
     #[serde(skip)]
     pub standard_error: f64,
-    /// From how many differences that is known; infinite for noise within a curve.
+    /// Degrees of freedom of the standard error; infinite if it comes from the noise within a curve.
     #[serde(skip)]
     pub degrees_of_freedom: f64,
 }

@@ -8,7 +8,7 @@ pub(crate) const DRAWS: usize = 200;
 /// The draws are the same ones each time, so that a curve has one sheet.
 const SEED: u64 = 21;
 
-/// Signs of as many residuals, drawn anew each time: the residuals keep their sizes, wherever the noise is larger
+/// Random signs for the residuals, drawn anew each time. The residuals keep their magnitudes, so the noise may vary along the curve
 /// (the wild bootstrap; C. F. J. Wu, Ann. Statist. 14, 1986, 1261–1295, with the signs of Liu 1988).
 pub(crate) struct Signs(Xoshiro256PlusPlus);
 

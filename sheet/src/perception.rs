@@ -1,11 +1,11 @@
 //! Would a hand feel it? Differences as numbers of thresholds, by a model of people.
 //!
-//! A threshold is a fraction of what the whole control takes, not of the part that differs: friction hides behind strong detents. So the
-//! Delft group found of the real and the imaginary part of a linear control's frequency response: the least difference that people
-//! notice in either is one fraction of the magnitude |H(jω)| of the whole (W. Fu, M. M. van Paassen, M. Mulder, *Human threshold model
-//! for perceiving changes in system dynamics*, IEEE Trans. Human-Machine Syst. 50, 2020, 444–453). Of a control that is not linear the
-//! RMS of its torque along a usual motion stands for |H|, which is the same for one that is. The fractions are those that were measured
-//! with fingers; each comes with its source. People differ, and so does their attention.
+//! A threshold is a fraction of what the whole control takes, not of the part that differs: friction hides behind strong detents. The
+//! Delft group found this for a linear control's frequency response: the least difference that people notice in its real or imaginary
+//! part is the same fraction of the magnitude |H(jω)| of the whole (W. Fu, M. M. van Paassen, M. Mulder, *Human threshold model for
+//! perceiving changes in system dynamics*, IEEE Trans. Human-Machine Syst. 50, 2020, 444–453). For a nonlinear control, the RMS of its
+//! torque along a usual motion stands for |H|; for a linear control the two are equivalent. The fractions were measured with fingers;
+//! each comes with its source. People differ, and so does their attention.
 
 use std::f64::consts::TAU;
 

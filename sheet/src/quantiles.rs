@@ -2,7 +2,7 @@
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-/// Standard deviations below which Student's distribution lies with that probability; of infinite degrees of freedom the normal one.
+/// Quantile of Student's t distribution for a probability; with infinite degrees of freedom, of the normal distribution.
 pub(crate) fn student_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     let quantile = if degrees_of_freedom.is_infinite() {
         Normal::new(0.0, 1.0).ok().map(|normal| normal.inverse_cdf(probability))

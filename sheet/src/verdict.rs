@@ -80,9 +80,9 @@ pub struct EnvelopeVerdict {
 
 /// By how much a value must clear a limit, in standard errors, for it to be passed and to be failed.
 ///
-/// To pass a part, every figure must clear its limits: one that does not, passes with the stated risk at most. To fail a
-/// part one figure is enough, so that of so many each may fail wrongly with its share of the risk only (Bonferroni). These are
-/// the guard bands of ISO 14253-1 and JCGM 106 at a stated risk.
+/// To pass a part, every figure must clear its limits: a figure outside them passes with the stated risk at most. To fail a part,
+/// one figure is enough, so each figure may fail wrongly only with its share of the risk (Bonferroni). These are the guard bands
+/// of ISO 14253-1 and JCGM 106 at a stated risk.
 #[derive(Clone, Copy)]
 struct Guard {
     risk: f64,

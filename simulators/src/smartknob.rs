@@ -1,9 +1,9 @@
 //! SmartKnob's knobs, as its firmware renders them at rest, the default ones, and models as such knobs.
 //!
 //! Facts from github scottbez1/smartknob: the list of configurations in `firmware/src/interface_task.cpp`, and the control law in
-//! `firmware/src/motor_task.cpp`: 4 · strength volt per radian off the middle of the position, without the first fifth of its
-//! width or the first degree, whichever is less; the next position's middle from `snap_point` widths on; at the ends
-//! the strength of the end stop; at most the supply of 5 V. What its motor makes of a volt the firmware does not say.
+//! `firmware/src/motor_task.cpp`. The voltage is 4 · strength volt per radian from the middle of the position, beyond a dead zone of a fifth
+//! of its width or one degree, whichever is less. `snap_point` widths from the middle, the next position takes over; beyond the ends,
+//! the strength is the end stop's. The voltage is at most the supply of 5 V. The firmware does not state the motor's torque per volt.
 
 use std::borrow::Cow;
 

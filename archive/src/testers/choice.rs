@@ -157,10 +157,10 @@ impl ColumnChoice {
     }
 }
 
-/// The size of the unit in a column's name; one where there is none.
+/// The factor from the unit in a column's name to the instrument's unit; 1 if the name has no unit.
 ///
 /// # Errors
-/// [`ChoiceError::UnitInName`] for one in square brackets that is none of the quantity: nothing else stands there.
+/// [`ChoiceError::UnitInName`] if the text in square brackets, which can only be a unit, is no unit of the quantity.
 fn unit_in(name: &str, quantity: Quantity) -> Result<f64, ChoiceError> {
     let name = name.trim();
     if let Some((_, unit)) = name.strip_suffix(']').and_then(|name| name.rsplit_once('[')) {
@@ -172,7 +172,7 @@ fn unit_in(name: &str, quantity: Quantity) -> Result<f64, ChoiceError> {
     Ok(end.and_then(|(_, unit)| quantity.factor(unit.trim())).unwrap_or(1.0))
 }
 
-/// The size of a unit in the instrument's.
+/// The factor from a unit to the instrument's unit of the quantity.
 ///
 /// # Errors
 /// [`ChoiceError::Unit`] for a unit that is none of the quantity.

@@ -5,7 +5,7 @@ use shared_types::Axis;
 use super::Curve;
 use super::table::RawTable;
 
-/// Most of the voltage's span that its scatter may fill before it tells nothing of the contact.
+/// Share of the voltage's range that must lie between the mean levels of open and closed contact for the voltage to tell them apart.
 const CLEAR: f64 = 0.5;
 /// Seconds in an hour, after which clocks begin anew.
 const HOUR_S: f64 = 3600.0;

@@ -46,8 +46,8 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// What the curves of one part are read from: of turns one curve, whose figures are known the better the longer it is;
-    /// of presses each by itself, as testers read them.
+    /// The curves from which the figures of one part are read: turns are joined, since a longer curve determines the figures better;
+    /// presses stay separate, as testers read them.
     #[must_use]
     pub fn evidence(curves: &[Self]) -> Vec<Self> {
         let mut all = curves.iter().cloned();

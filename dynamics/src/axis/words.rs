@@ -69,7 +69,7 @@ impl Axis {
         Cow::Owned(said)
     }
 
-    /// The name within the program of a key or a column about this axis; `None` for one that belongs to the other.
+    /// The program's own name for a key or a column of a file about this axis; `None` if it belongs to the other axis.
     ///
     /// ```
     /// use dynamics::Axis;
@@ -91,7 +91,7 @@ impl Axis {
         (self.words(&name) == key).then_some(name)
     }
 
-    /// A table of a file about this axis with the names within the program, tables in it too.
+    /// A table of a file about this axis with its keys, nested ones included, replaced by the program's own names.
     ///
     /// # Errors
     /// The name of a key that belongs to the other axis.
@@ -112,7 +112,7 @@ impl Axis {
     }
 }
 
-/// Whether a stop stands between letters or digits, a letter behind it.
+/// Whether a text has a full stop between a letter or digit and a letter, as a file name has.
 fn is_file_name(chunk: &str) -> bool {
     let bytes = chunk.as_bytes();
     bytes.windows(3).any(|three| three[0].is_ascii_alphanumeric() && three[1] == b'.' && three[2].is_ascii_alphabetic())

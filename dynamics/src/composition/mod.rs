@@ -40,7 +40,7 @@ struct Taken {
     effect: Effect,
     /// Label of its source.
     label: String,
-    /// Parameters whose value is another's, and whose.
+    /// Parameters whose value was changed, each with the origin of its new value.
     changed: Vec<(&'static str, String)>,
 }
 

@@ -1,6 +1,6 @@
 //! The known name that a mistyped one is nearest to.
 
-/// The candidate that takes the fewest letters inserted, left out or replaced to get to.
+/// The candidate at the smallest Levenshtein distance from `name`; `None` without candidates.
 pub(super) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     candidates.min_by_key(|candidate| distance(name, candidate))
 }

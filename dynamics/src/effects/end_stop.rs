@@ -63,7 +63,7 @@ pub static KIND: EffectKind = EffectKind {
         searched: &[
             Search {
                 parameter: 0,
-                // Where there is none, out of reach.
+                // The angle of a stop that does not exist lies out of the motion's reach.
                 range: |scene| Some(around(scene.lowest_rad, -BEYOND, WITHIN, scene)),
                 starts: |_| 9,
                 ..Search::PLAIN

@@ -49,7 +49,7 @@ pub static KIND: EffectKind = EffectKind {
         searched: &[
             Search {
                 parameter: 0,
-                // Of a higher resonance the band has the first rise only, which a resonance of the sensor makes as well.
+                // The band shows only the first rise of a higher resonance, and a resonance of the sensor causes such a rise too.
                 range: |scene| scene.resonant_stiffnesses(5.0, 2.5 * scene.band_hz),
                 starts: |_| 24,
                 logarithmic: true,

@@ -152,8 +152,8 @@ impl Excitation {
         Ok(Self { drive, amplitude, is_one_sided: false, shape })
     }
 
-    /// The same on another axis: what is pressed is pressed and let go, as far as a fingertip would move, but no farther than a dome
-    /// goes, or by a finger's force.
+    /// This excitation on `axis`. On a linear axis it presses and lets go: by the travel of a fingertip on the knob, at most
+    /// [`PRESSED_MM`], or by the force of a fingertip on the knob.
     #[must_use]
     pub fn on(self, axis: Axis) -> Self {
         if axis.is_rotary() {

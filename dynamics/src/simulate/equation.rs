@@ -57,7 +57,7 @@ impl<'model> Equation<'model> {
         }
     }
 
-    /// The equations of an inner body whose cap moves as is given: for the torque on it read its acceleration.
+    /// The equations of an inner body whose cap has a given motion: they take the cap's acceleration in the place of the torque on it.
     pub(super) fn led(model: &'model Model, coupling: Coupling) -> Result<Self, SimulationError> {
         let [_, inertia] = coupling.inertias(model.inertia());
         if inertia > 0.0 && inertia.is_finite() {
@@ -94,8 +94,8 @@ impl<'model> Equation<'model> {
         [velocity, acceleration, cap_velocity, cap_acceleration]
     }
 
-    /// By how much less the friction of the load resists than that of a load at rest, mNm: the load is inertia's too,
-    /// which the torque that is left over, `net_mnm` with the friction of the load at rest, settles.
+    /// Correction of the net torque, mNm, for inertia as a part of the load. `net_mnm`, the net torque without the correction,
+    /// counts the friction of the load as if the acceleration were zero.
     fn inertial_load_friction_mnm(&self, motion: &Motion, sliding: &Sliding, net_mnm: f64) -> f64 {
         let coefficient = self.model.load_friction();
         if coefficient == 0.0 {

@@ -42,7 +42,7 @@ impl Twist {
     pub(super) fn advance(&mut self, step_s: f64, torque_now_mnm: f64, torque_then_mnm: f64) {
         let Self { stiffness_mnm_rad: stiffness, damping, .. } = *self;
         let steady_rad_s = (torque_then_mnm - torque_now_mnm) / step_s / stiffness;
-        // What the twist lags behind the torque by settles to the damper's share with the time constant D/K.
+        // Under a ramp of torque, the lag of the twist behind it settles to a constant with the time constant D/K.
         let lag_s = damping / stiffness;
         let settled = |torque_mnm: f64| torque_mnm / stiffness - steady_rad_s * lag_s;
         let decay = if lag_s > 0.0 { (-step_s / lag_s).exp() } else { 0.0 };

@@ -32,9 +32,9 @@ pub enum Curve {
     Sine,
 }
 
-/// A torque drawn over one period of the angle, or over a range beyond whose ends it stays as it is there.
+/// A torque drawn over one period of the angle, or over a range beyond which it keeps the torque of the nearer end.
 ///
-/// Of [`Curve::Cubic`] the curve is a cubic between neighbouring points, with continuous slope, across the period's end too. Where the
+/// With [`Curve::Cubic`] it is a cubic between neighbouring points, with continuous slope, across the period's end too. Where the
 /// points rise it rises, where they fall it falls, and it has its extremes at points: nobody who draws a detent of
 /// 10 mNm expects 11. A periodic cubic spline would be smoother by one derivative, but overshoots at every corner.
 /// Slopes after F. N. Fritsch and J. Butland, *A method for constructing local monotone piecewise cubic

@@ -26,8 +26,8 @@ pub(super) static FRAMES_OF_THIS_PROCESS: PduStorage<FRAMES, { PduStorage::eleme
 
 pub(super) type Group<State, Clocks> = SubDeviceGroup<MOST_DEVICES, MOST_BYTES, DefaultLock, State, Clocks>;
 
-/// The bit by which a controller marks a frame as having come through: ethercrab takes a frame with its own source for one that
-/// just went out, and not everything that sends frames back sets it.
+/// The bit that a controller sets in a frame's source address once the frame has come through. ethercrab takes a frame with its own
+/// source address for an outgoing one, and not everything that sends frames back sets the bit.
 const SOURCE_AT: usize = 6;
 const CAME_THROUGH: u8 = 0x02;
 

@@ -12,7 +12,7 @@ use super::drive::SWITCH_ON;
 
 /// Where in the devices' period frames are to pass: after they have taken their inputs, well before they take outputs.
 const PHASE: f64 = 0.3;
-/// Share of what the phase is off by that a tick makes good.
+/// Share of the phase error that each tick corrects.
 const PHASE_GAIN: f64 = 0.1;
 /// Time that such a cycle waits for its frame, ns: nothing hurries.
 const PATIENCE_NS: u64 = 10_000_000;

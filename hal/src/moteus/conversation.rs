@@ -13,7 +13,7 @@ use crate::ApparatusError;
 pub(super) const PATIENCE: Duration = Duration::from_millis(50);
 /// How often a question is asked until it is given up.
 const TRIES: u32 = 5;
-/// As whom it asks, by turns: none that a run has.
+/// Sender identifiers of the questions, used in turn; a run uses others.
 const TAGS: std::ops::RangeInclusive<i8> = 32..=95;
 /// The controller's stream for people, over which its configuration is read and set.
 const STREAM: u8 = 1;

@@ -1,10 +1,10 @@
 //! A motor behind a moteus controller, over an fdcanusb adapter, its UART, or SocketCAN.
 //!
-//! One frame a tick gives the torque of the tick before and asks for what the sensors read; the answer is waited for, a share of the
-//! period at most. The wait sleeps: what carries bytes through a tty is a worker of the kernel's, which a loop that spins would keep
-//! from its core. Half way between the two the sensors were read. An answer that
-//! takes much longer than answers do was held up on the way, nobody knows on which: it counts as none, rather than be dated
-//! wrongly. Frames are sent as whose they are, so that an answer that comes late is not taken for the next one.
+//! One frame a tick gives the torque of the tick before and asks for the sensors' readings. The loop waits for the answer, a share of
+//! the period at most, and sleeps meanwhile: if it spun, it would keep the kernel's worker that carries a tty's bytes off the core.
+//! Readings are dated half way between question and answer. An answer that takes much longer than usual was delayed, on its way or
+//! on the question's: it counts as none, rather than be dated wrongly. Successive frames have different sender identifiers, so that
+//! a late answer is not taken for the next one.
 //!
 //! The torque goes in the controller's position mode with all gains at zero, since that mode alone takes the watchdog's time with
 //! every command. [`MoteusRig::prepare`] lets the watchdog run out once and sees that it does.
@@ -41,7 +41,7 @@ pub const TEMPLATE: &str = include_str!("template.toml");
 
 /// Bits a second of a controller's UART, as it comes.
 const USUAL_BAUD: u32 = 921_600;
-/// As whose a run's frames are sent, by turns: 1 to this.
+/// Sender identifiers of a run's frames, used in turn: 1 to this.
 const TAGS: i8 = 16;
 /// Share of a period for which an answer is waited for: the rest is for the control step, and for a loop that begins late.
 const WAITED_SHARE: f64 = 0.6;
@@ -52,7 +52,7 @@ const CALLS_PER_TICK: u32 = 2 + 2 * MOST_LOOKS;
 /// Typical round trips after which an answer is too late to be dated, unless that is less than this share of a period.
 const LATE_ROUND_TRIPS: u64 = 2;
 const DATED_SHARE: f64 = 0.125;
-/// Share by which the typical round trip follows each answer, up or down: so it is their median.
+/// Each answer moves the typical round trip up or down by one part in this many, so that it settles at the median.
 const FOLLOWS: u64 = 16;
 /// Time in which the controller switches on, ns; then it must drive.
 const SWITCHES_ON_WITHIN_NS: u64 = 500_000_000;
@@ -261,7 +261,7 @@ fn now_ns() -> u64 {
     clock_gettime(ClockId::CLOCK_MONOTONIC).map_or(0, |time| nanoseconds(time.into()))
 }
 
-/// A time, none where it is no time: a rate that cannot be is refused elsewhere.
+/// Converts seconds to a duration, an invalid number to zero: invalid rates are refused elsewhere.
 fn seconds(time_s: f64) -> Duration {
     Duration::try_from_secs_f64(time_s).unwrap_or_default()
 }
@@ -321,7 +321,7 @@ impl Apparatus for MoteusRig {
         let Some((reply, came_ns)) = self.wait(sent_ns)? else {
             self.unanswered += 1;
             self.silent = if self.unheard == codes::SILENCE { self.silent + 1 } else { 0 };
-            // One late answer does not make a controller slow that has said nothing since.
+            // A short silence keeps the code from before; a longer one is reported as silence, whatever came before it.
             if (1..=self.description.stale_limit / 2).contains(&self.silent) {
                 self.unheard = before;
             }

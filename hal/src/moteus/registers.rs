@@ -110,7 +110,7 @@ pub(super) struct Address {
 }
 
 impl Address {
-    /// An empty frame to the controller that asks for an answer to `tag`, as whose it is sent.
+    /// An empty frame to the controller from the sender `tag`, to which the answer is to go.
     fn frame(self, tag: i8) -> CanFdFrame {
         let mut frame = CanFdFrame::new();
         frame.arbitration_id = calculate_arbitration_id(tag, self.id, self.prefix, true);
@@ -148,8 +148,8 @@ impl Address {
         sent
     }
 
-    /// Whether a frame is the controller's answer to what was sent as `tag`. One to nobody is taken for it: then whoever answers
-    /// does not say what.
+    /// Whether a frame is the controller's answer to the sender `tag`. An answer addressed to nobody counts too, since it does not
+    /// say what it answers.
     pub(super) fn answers(self, tag: i8, frame: &CanFdFrame) -> bool {
         let (from, to, _) = parse_arbitration_id(frame.arbitration_id);
         from == self.id && (to == tag || to == 0)

@@ -1,4 +1,4 @@
-//! What the torque channel makes of the torque when the model says that it does not read it as it is.
+//! Artefacts of the torque channel, where the model lists any: a delay, and effects that add to the reading.
 
 use dynamics::{Effect, Model, Motion, Part};
 

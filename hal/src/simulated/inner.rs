@@ -61,7 +61,7 @@ pub(super) struct InnerEnd {
     pub(super) velocity_rad_s: f64,
     /// Torque on its friction if it is at rest at the end, mNm.
     pub(super) holding_mnm: f64,
-    /// How the bodies ought to have been taken, where it turned out otherwise.
+    /// The contact state with which to solve the substep again, where the assumed one proved wrong.
     pub(super) otherwise: Option<Touch>,
 }
 

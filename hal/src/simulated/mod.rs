@@ -11,10 +11,10 @@
 //! against the clock and an offline run as fast as the processor goes, with the same numbers. A
 //! seed fixes the noise bit for bit.
 //!
-//! The knob is a [`dynamics::Model`], whatever effects it lists; inertia, free torques, friction and stick act on
-//! the gripper's side of the torque sensor, behind backlash or a compliant shaft if the model has them, and what
-//! it says of the torque sensor's reading is added there. All of it is integrated by the rig's own means. What the rig is made of is in [`RigParameters`]; what it measured
-//! about itself is in its description's calibration.
+//! The knob is a [`dynamics::Model`] with any effects. Inertia, free torques, friction and stick act on the gripper's side of the
+//! torque sensor, behind backlash or a compliant shaft if the model has them; effects on the torque sensor's reading are added to the
+//! reading. The rig integrates all of it by its own means. [`RigParameters`] holds what the rig is made of; the calibration in its
+//! description holds what the rig measured about itself.
 //!
 //! ```
 //! use hal::Apparatus;

@@ -1,11 +1,11 @@
 //! The generalised least squares mean of vectors with covariances, and whether they agree.
 //!
 //! With captures xᵢ = Aᵢ·β + errors of covariance Vᵢ (Aᵢ picks the parameters that capture i estimates), the mean is
-//! β = (Σ AᵢᵀVᵢ⁻¹Aᵢ)⁻¹ Σ AᵢᵀVᵢ⁻¹xᵢ (A. C. Aitken, Proc. Roy. Soc. Edinburgh 55, 1935, 42–48), and the weighted sum
-//! of squares of their deviations from it, Σ rᵢᵀVᵢ⁻¹rᵢ, follows χ² if they differ by no more than their covariances say.
-//! The root of that over its degrees of freedom is the ratio of R. T. Birge (Phys. Rev. 40, 1932, 207–227). Covariances are themselves estimates,
-//! of some 50 degrees of freedom, and their inverses too large for that: the sum is compared with F as S. Johansen
-//! derives it (Biometrika 67, 1980, 85–92).
+//! β = (Σ AᵢᵀVᵢ⁻¹Aᵢ)⁻¹ Σ AᵢᵀVᵢ⁻¹xᵢ (A. C. Aitken, Proc. Roy. Soc. Edinburgh 55, 1935, 42–48). The weighted sum of squares
+//! of the deviations from the mean, X² = Σ rᵢᵀVᵢ⁻¹rᵢ, follows χ² if the captures differ by no more than their covariances say.
+//! √(X²/degrees of freedom) is the ratio of R. T. Birge (Phys. Rev. 40, 1932, 207–227). The covariances are themselves estimates
+//! with some 50 degrees of freedom, so that their inverses are too large on average: X² is compared with the F distribution
+//! that S. Johansen derives (Biometrika 67, 1980, 85–92).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
@@ -80,7 +80,7 @@ impl Problem<'_> {
         observation.names.iter().filter_map(|name| position(self.names, name)).collect()
     }
 
-    /// Inverse of an observation's covariance with `scatter` added to it, and standard deviations taken out of both sides.
+    /// Cholesky factor of an observation's correlation matrix, with `scatter` added to the variances, and the standard deviations.
     fn factor(&self, observation: &Observation, scatter: &[f64]) -> (Option<Cholesky<f64, Dyn>>, DVector<f64>) {
         let places = self.places(observation);
         let variance = |at: usize| {
@@ -155,7 +155,7 @@ impl Problem<'_> {
         for observation in self.observations {
             let places = self.places(observation);
             let (Some(factor), deviations) = self.factor(observation, &none) else { continue };
-            // Such a parameter is not correlated with the rest, so that setting it to zero leaves it out.
+            // A parameter without a covariance from the fit is uncorrelated with the rest: a deviation of zero leaves it out.
             let left = DVector::from_fn(places.len(), |at, _| {
                 if observation.joint[at] { (observation.values[at] - mean[places[at]]) / deviations[at] } else { 0.0 }
             });
@@ -191,9 +191,9 @@ impl Problem<'_> {
     }
 }
 
-/// Probability of a χ² of `freedom` at least as large, where the covariances' own uncertainty adds up to `uncertain`.
+/// Probability of a χ² at least as large with `freedom` degrees of freedom; `uncertain` is Johansen's A, the covariances' own uncertainty.
 fn probability(chi_squared: f64, freedom: f64, uncertain: f64) -> f64 {
-    // Covariances that are known for certain have so many.
+    // The bound stands in for the infinite degrees of freedom of covariances that are known exactly.
     let freedom_below = (freedom * (freedom + 2.0) / (3.0 * uncertain)).min(1e6);
     let scale = freedom + 2.0 * uncertain - 6.0 * uncertain / (freedom + 2.0);
     FisherSnedecor::new(freedom, freedom_below).map_or(0.0, |law| law.sf(chi_squared / scale))

@@ -2,11 +2,11 @@
 //!
 //! The mean is that of whole parameter vectors: each capture counts with the inverse of its covariance
 //! ([`Fit::covariance`]), so that a capture which tells a sum of two parameters better than each of them
-//! keeps that. What captures differ by beyond their covariances is a scatter from capture to capture, estimated
-//! parameter by parameter after DerSimonian and Laird (Controlled Clinical Trials 7, 1986, 177–188). It always
-//! widens the combined interval. In the weights it counts where the captures disagree ([`Agreement`]): captures
-//! that differ count alike then. Where they agree, a scatter estimated from two of them is mostly chance and
-//! would take the weight off the better one.
+//! keeps that. Where captures differ by more than their covariances say, the excess is a scatter between captures, estimated
+//! parameter by parameter after DerSimonian and Laird (Controlled Clinical Trials 7, 1986, 177–188). The scatter always
+//! widens the combined interval. It enters the weights only if the captures disagree ([`Agreement`]), so that captures
+//! that differ count nearly alike. If they agree, a scatter estimated from two captures is mostly chance and
+//! would take weight off the better one.
 
 mod generalised;
 mod observation;
@@ -38,9 +38,9 @@ const STEP: f64 = 1e-3;
 pub struct Agreement {
     /// Σ rᵀV⁻¹r of the captures' parameter vectors about their mean.
     pub chi_squared: f64,
-    /// What that would be on average if the captures agree.
+    /// Degrees of freedom: the mean of χ² if the captures agree.
     pub degrees_of_freedom: usize,
-    /// Probability of one at least as large if they agree, covariances being estimates themselves.
+    /// Probability of a χ² at least as large if the captures agree, allowing for covariances that are themselves estimates.
     pub probability: f64,
     /// √(χ² over degrees of freedom): how many times larger than told the differences are.
     pub birge_ratio: f64,
@@ -269,7 +269,7 @@ fn mean_half_width_mnm(combined: &Fit, fits: &[Fit]) -> f64 {
     }))
 }
 
-/// The model with one parameter a step further, and the step; `None` if it has no such parameter or that is exact.
+/// The model with one parameter moved by a small step, and the step; `None` if the model lacks the parameter or its deviation is zero.
 fn shifted(base: &Model, name: &str, deviation: f64) -> Option<(Model, f64)> {
     let mut model = base.clone();
     let (effect, slot) = model.effects.iter().enumerate().find_map(|(index, effect)| {

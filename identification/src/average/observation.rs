@@ -1,8 +1,8 @@
 //! What one capture tells: a vector of parameters with its covariance.
 //!
-//! A detent's θ/P + S turns about the angle around which a capture lies, and S, the phase at angle zero, follows P wherever that
-//! is elsewhere. So phases are compared and combined at the mean angle of all captures, on the circle, and taken back
-//! to angle zero with the combined period.
+//! A capture determines a detent's argument θ/P + S best at its mean angle. Where that angle is not zero, the errors of the phase S
+//! at angle zero and of the period P are correlated. So phases are compared and combined at the mean angle of all captures, on the
+//! circle, and taken back to angle zero with the combined period.
 
 use nalgebra::DMatrix;
 
@@ -64,9 +64,9 @@ impl Observation {
         }
     }
 
-    /// Takes the phase of the detents `by_rad` further along; returns it with its weight.
+    /// Moves by `by_rad` the angle at which the detents' phase is given; returns the new phase and its weight, one over its variance.
     ///
-    /// S + θ/P has the derivative −θ/P² by P, so the covariance turns with it.
+    /// S + θ/P has the derivative −θ/P² by P, by which the covariance is transformed.
     fn move_phase(&mut self, by_rad: f64) -> Option<(f64, f64)> {
         let phase = position(&self.names, PHASE)?;
         if let Some(period) = position(&self.names, PERIOD) {

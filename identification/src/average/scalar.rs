@@ -25,7 +25,7 @@ pub(crate) fn combined(estimated: &[(f64, f64)]) -> Estimated {
     Estimated { value, half_width: if is_uncertain { NORMAL_95 / total.sqrt() } else { 0.0 } }
 }
 
-/// The variance of a value that has none: it counts like the best one; without any, all count alike.
+/// The variance to use for a value without one: the smallest positive variance, or 1 if there is none.
 pub(super) fn substitute(variances: impl Iterator<Item = f64>) -> f64 {
     let least = variances.filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
     if least.is_finite() { least } else { 1.0 }

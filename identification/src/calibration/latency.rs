@@ -1,15 +1,15 @@
 //! The delays of torque and acceleration behind the encoder, and of the motor behind its command, to a fraction of a sample.
 //!
-//! A channel that shows x late by D, its bandwidth limited, shows to third order
+//! A channel of limited bandwidth that shows x with the delay D shows, to third order,
 //!
 //! ```text
 //! y = g·(x − D·ẋ + c₂·ẍ − c₃·x⃛)
 //! ```
 //!
-//! with x the angular acceleration from the encoder and g one, or the inertia. In frequencies this is
-//! the cross spectrum's phase as −D·ω + c·ω³: D is its slope at frequency zero, which is the delay of
-//! a slow signal, whatever the channel's filter. Solved as a regression it comes with an interval, and
-//! all frequencies that the sweep excites take part by their weight.
+//! where x is the angular acceleration from the encoder, and g is one for an accelerometer and the inertia
+//! for a torque. The phase of the cross spectrum is then −D·ω + c·ω³: minus D is its slope at frequency zero,
+//! and D is the delay of a slow signal, whatever the channel's filter. The regression gives D with an
+//! interval and weights every frequency that the sweep excites by its power.
 
 use dynamics::Calibration;
 
@@ -75,11 +75,11 @@ pub fn latency(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     }
 }
 
-/// Fits the delay of the motor's torque behind its command to the same capture: what is commanded comes before the motion.
+/// Fits the delay of the motor's torque behind its command to the capture that [`latency`] takes: a command precedes its motion.
 ///
 /// `commanded_mnm` is the torque commanded at each sample, which acts `late_ticks` later and is held for a tick. The motor's friction
-/// is fitted with it. Tells `command_delay_s`: that of the motor in motion, whose back-EMF acts against its current, and so a little less
-/// than its current loop's by itself.
+/// is fitted too. Returns `command_delay_s`, the delay of the motor in motion: its back-EMF opposes its current, so that the delay is a
+/// little shorter than that of the current loop alone.
 ///
 /// # Errors
 /// [`CalibrateError`] for samples that are no motion, and when the motion does not follow the command.
@@ -148,8 +148,8 @@ fn at_its_delay(first_s: f64, relation: impl Fn(f64) -> Solved) -> Solved {
     solved
 }
 
-/// The torque sensor's relation, with the friction of what lies behind the sensor: a torque in phase with the velocity looks like a
-/// delay otherwise. A note says that there is friction, if there is much beside a delay that can be told.
+/// Solves the torque sensor's relation together with the friction behind the sensor, a torque in phase with the velocity that would
+/// otherwise look like a delay. Also returns a note if that friction is large and the delay can still be estimated.
 fn torque_relation(
     uniform: &Uniform,
     known: &Calibration,

@@ -29,7 +29,7 @@ pub(super) struct Solved {
     covariance: RobustCovariance,
     /// Standard deviation of the target: a constant is explained by any relation.
     pub(super) target_deviation: f64,
-    /// RMS of what the relation leaves over that.
+    /// RMS of the residual, as a share of `target_deviation`.
     pub(super) unexplained: f64,
 }
 

@@ -12,9 +12,9 @@ use crate::uncertainty::statistics::{mean, mean_and_error, student_95};
 const REST_RAD: f64 = 2e-3;
 /// Stretches of which the means are compared: what wanders more slowly than they last shows as scatter.
 const STRETCHES: usize = 30;
-/// Steps that a signal must span for its variance to tell its noise: on two levels that depends on where between them the mean lies.
+/// Steps that a signal must span for its variance to show its noise: on two levels the variance depends on where the mean lies between them.
 const FEWEST_STEPS: f64 = 1.5;
-/// Terms of the series for the bias of steps: with as little noise as they leave out, the bias is half a step.
+/// Terms of the series for the quantisation bias: where the noise is so small that later terms matter, the bias is half a step.
 const TERMS: u32 = 8;
 
 /// Averages torque and acceleration of a rig at rest with nothing on the gripper.

@@ -11,13 +11,13 @@ use crate::uncertainty::statistics::mean;
 const REST_S: f64 = 0.020;
 /// … and fewest samples: the turning point of a motion has fewer.
 const FEWEST_AT_REST: usize = 5;
-/// Share of the breakaway's torque by which it rises during the rest: where a moving knob turns back it hardly does.
+/// Least rise of the torque during the rest, as a share of the breakaway torque: where a moving knob turns back, the torque hardly rises.
 const RISE: f64 = 0.05;
 /// Distance from its rest at which a knob has left it, in encoder steps …
 const AWAY_STEPS: f64 = 6.0;
 /// … or rad, where the encoder's step is not known.
 const AWAY_RAD: f64 = 1e-4;
-/// Time after that in which it must be ten times as far, s: else it creeps.
+/// Time after the knob left its rest within which it must be ten times as far away, s; otherwise it creeps.
 const SOON_S: f64 = 0.030;
 /// Time before the knob leaves its rest in which the torque's peak is looked for, s.
 const READ_S: f64 = 0.004;

@@ -119,7 +119,7 @@ pub fn count_detents(samples: &Samples<'_>) -> Result<DetentCount, CountError> {
         return Err(CountError::Uneven { scatter_percent: 100.0 * uneven });
     }
     let freedom = (intervals - 1).max(1) as f64;
-    // The ends of a mean spacing are two crossings, each as uncertain as their scatter about the even spacing.
+    // The mean spacing depends on the first and last crossing; each has the scatter of the crossings about even spacing.
     let scatter = crossings
         .iter()
         .enumerate()
@@ -220,8 +220,8 @@ impl Profile {
     }
 }
 
-/// Where values rise through zero from below minus a threshold to above it, in distances of neighbours from the first: what only shakes about zero
-/// does not cross it.
+/// Places at which values rise through zero, from below −`threshold` to above `threshold`: noise about zero is no crossing. A place
+/// counts in samples from the first value.
 #[must_use]
 pub fn rising_crossings(values: &[f64], threshold: f64) -> Vec<f64> {
     let mut crossings = Vec::new();

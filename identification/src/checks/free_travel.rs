@@ -39,10 +39,10 @@ impl FreeTravel {
     }
 }
 
-/// Finds where the knob turns evenly and slowly under next to no torque, from contact to contact or at least from or to one.
+/// Finds where the knob turns evenly and slowly under next to no torque, with a contact at one end of the travel or at both.
 ///
-/// Friction is the same anywhere along the way, detents rise over their whole width, and a knob that slips does so in
-/// a few hundredths of a second. Where none of the three holds the knob, it is not the knob that turns but a part of it with
+/// Friction is the same all along the way, the torque of a detent rises over its whole width, and a slip lasts only a few
+/// hundredths of a second. Where none of the three shows, it is not the knob that turns but a part of it with
 /// lost motion. A slow creep (`--sweep slow-turn --amplitude 0.1`) shows it; a fast sweep cannot, since inertia takes
 /// torque there. Takes zero and stiffness from `known`.
 ///

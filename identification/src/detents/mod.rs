@@ -23,8 +23,8 @@ const RIVAL: f64 = 0.5;
 const WORTHWHILE_SHARE: f64 = 0.25;
 /// … or have this amplitude relative to the RMS of the torque: less is a ripple, felt by nobody.
 const WORTHWHILE_AMPLITUDE: f64 = 0.1;
-/// A detent must take away this many times what the null test does: the best other period, one further true
-/// sinusoid being granted, in what the detent leaves …
+/// A detent must reduce the sum of squares by this many times what the null test does: the second best other period
+/// in the residual beside the detent, since the best one may be a further true sinusoid …
 const NULL_TEST: f64 = 2.0;
 /// … and this many times where the travel holds few of its periods: then any bend in the torque looks like it.
 const NULL_TEST_OF_FEW: f64 = 20.0;
@@ -174,12 +174,12 @@ fn is_bend(base: &Problem<'_>, scan: &Scan, detent: &[Column], wavenumber: f64) 
     let left = dot(&with, &with);
     let explained = dot(&without, &without) - left;
     let null_test = || scan.null_test(&scan.powers(base, &with), wavenumber, 0.0);
-    // No other period takes away more than is left.
+    // The null test is at most `left`, so it need not be computed where the detent explains `BESIDE_BENDS` times `left`.
     explained < BESIDE_BENDS * left && explained < BESIDE_BENDS * null_test()
 }
 
-/// Rows of the position within the travel, from −1 to 1, its square and its cube, and of the angle's sine and cosine: what bends the torque over the travel and
-/// is no detent.
+/// Rows of x, x² and x³, with x the position within the travel from −1 to 1, and of the angle's sine and cosine: torques that bend over
+/// the travel and are no detents.
 fn bends(problem: &Problem<'_>) -> Vec<Column> {
     let Problem { row_filter, motion, .. } = problem;
     let (lowest, highest) = vector::extent_where(&motion.angle_rad, &row_filter.mask).unwrap_or((0.0, 0.0));

@@ -23,7 +23,7 @@ pub enum Verdict {
 
 /// Where model and captures disagree, what is missing, and what adding it does.
 ///
-/// Serialises to the JSON of `diagnose --json`, and is read from it but for what that leaves out.
+/// Serialises to the JSON of `diagnose --json`, and deserialises from it except for the fields that the JSON leaves out.
 /// RMS values are those of the rows: torque and model, masked where the
 /// knob may stick and low-passed to [`Diagnosis::band_hz`], in mNm.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
@@ -87,7 +87,7 @@ pub struct Diagnosis {
     /// model was given to start from.
     #[serde(skip)]
     pub refined: BTreeMap<&'static str, Value>,
-    /// The model without further effects, and then with each step's more, as the torque sensor bears it: with the gripper.
+    /// The model without further effects, then with the effect of each step added in turn; each includes the gripper, as the sensor bears it.
     #[serde(skip)]
     pub chain: Vec<Model>,
     /// Rows of both captures for plots.
@@ -233,7 +233,7 @@ pub struct Rival {
 pub struct Partial {
     /// Standard name.
     pub effect: &'static str,
-    /// Share of what is left of both captures above the noise, as a mean square, that it takes away, %; at most 100.
+    /// Share that it takes away of the mean square left of both captures above the noise, %; at most 100.
     pub explains_percent: f64,
     /// Why it cannot be what is missing, if so: a parameter on its bound.
     #[serde(skip_serializing_if = "Option::is_none")]

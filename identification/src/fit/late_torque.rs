@@ -15,11 +15,11 @@ use crate::regression::problem::Problem;
 const DELAY_STEPS: usize = 3;
 /// A shorter lag takes less than a ten-thousandth off the fastest torques of the band.
 const LEAST_LAG_ROWS: f64 = 0.004;
-/// By so much a lag may leave more than a delay, in mean squares of a row, for the lag to be as likely: two nats.
+/// Excess of a lag's sum of squares over a delay's up to which the lag counts as likely too, in mean squares of a row: two nats.
 const WORSE_BY: f64 = 4.0;
 
-/// The shifts of the estimates if the torque is late as a whole, and if it lags as behind a first-order low-pass, which leaves fast torques
-/// smaller besides. Of a longer delay the column, linear in it, is not enough; a lag's torque is exactly that received plus its slope times the lag.
+/// The shifts of the estimates if the torque is delayed as a whole, and if it lags behind a first-order low-pass, which also attenuates fast
+/// torques. The delay's column is linear and not enough for a long delay; the torque before a lag is exactly the received one plus slope · lag.
 pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix<f64>) -> Vec<Shift> {
     let Trimmed { problem: Problem { row_filter, .. }, solution, .. } = trimmed;
     let rate_hz = row_filter.rate_hz;
@@ -50,7 +50,7 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix
     if lag_rows >= LEAST_LAG_ROWS {
         let ahead = |lag_s: f64| row_filter.rows(&prompt(torque_mnm, lag_s, rate_hz));
         let (shift, left) = aligned(trimmed, robust, delay_s, beside.as_ref(), ahead);
-        // The slope is noisier than the torque; behind the lag both are as noisy.
+        // The slope adds noise. Behind the lag the residual is as noisy as that of the received torque, so that the sums of squares compare.
         let left = lagged(&left, lag_rows);
         if squares(&left) < least * (1.0 + WORSE_BY / left.len() as f64) {
             shifts.push(shift);
@@ -59,8 +59,8 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix
     shifts
 }
 
-/// The shift of the estimates with the torque aligned by a delay, which is refined if it has a column `beside` those of the fit, and the
-/// residual.
+/// The shift of the estimates with the torque aligned by `delay_s`, and the residual. The delay is refined if its column is given in
+/// `beside`.
 fn aligned(
     Trimmed { columns, target, solution, .. }: &Trimmed<'_>,
     robust: &DMatrix<f64>,

@@ -22,7 +22,7 @@ use crate::samples::{FitError, Samples};
 
 /// Fits inertia, friction and detents (equation 1 of Swindells and MacLean 2007) to a capture.
 ///
-/// The rows may come in any order; they are taken in that of their time. No starting point is needed, and every choice of preparation is made from the data; [`Fit::preparation`] tells them.
+/// Sorts the samples by time. Needs no starting point and makes every choice of preparation from the data: see [`Fit::preparation`].
 ///
 /// ```
 /// use dynamics::{Drive, Excitation, Motion, knobs};
@@ -57,7 +57,7 @@ use crate::samples::{FitError, Samples};
 /// ```
 ///
 /// # Errors
-/// [`FitError`] where nothing can be estimated; what only some parameters lack is a reason in [`Fit::parameters`].
+/// [`FitError`] if nothing can be estimated. If only some parameters cannot, [`Fit::parameters`] holds the reasons.
 pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
     let sorted = samples.sorted();
     let in_time = sorted.as_ref().map_or(*samples, |sorted| sorted.samples());
@@ -78,9 +78,9 @@ pub(crate) fn fit_without_notes(samples: &Samples<'_>, options: &FitOptions) -> 
     fit_in_time(&sorted.as_ref().map_or(*samples, |sorted| sorted.samples()), options)
 }
 
-/// Part of the torque, %, that a fit must leave for the signs to be in doubt.
+/// Relative error of a fit, %, from which the signs of torque and angle are in doubt.
 const IN_DOUBT_PERCENT: f64 = 20.0;
-/// Share of that which the inverted torque may leave at most, to be the right one.
+/// The inverted torque is the right one if its fit has less than this share of the relative error.
 const BETTER: f64 = 0.75;
 
 /// A note on torque and angle of opposite signs, of which no inertia and no friction can be fitted.

@@ -18,7 +18,7 @@ const FAR_RAD: f64 = 1.0;
 /// Least share of an omitted column's square that the fit's columns must leave: a smaller rest may be noise of the motion, as where a
 /// sinusoidal sweep makes angle and acceleration alike.
 const INSEPARABLE: f64 = 1e-2;
-/// A delay that no capture shows may be as long, in samples: a torque that is held from one sample to the next is late by half of one.
+/// Possible length of a delay that the capture cannot show, in samples: a torque held from one sample to the next is late by half a sample.
 const UNSEEN_DELAY_SAMPLES: f64 = 0.5;
 /// Share of the residual's sum of squares from which on omitted effects are reported.
 const WORTH_A_NOTE: f64 = 0.25;
@@ -159,11 +159,11 @@ fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
 
 /// An omitted column beside those of the fit.
 pub(super) struct Beside {
-    /// What the fit's columns cannot do of it.
+    /// Residual of the omitted column after regression on the fit's columns.
     pub(super) rest: Vec<f64>,
     /// Change of the fit's coefficients for one unit of its own.
     pub(super) change: DVector<f64>,
-    /// Whether the fit's columns leave more than noise of what friction leaves of it.
+    /// Whether `rest` is more than noise, relative to the part of the column that the friction columns do not explain.
     pub(super) is_separable: bool,
 }
 

@@ -124,7 +124,7 @@ impl<'a> Prepared<'a> {
         if let Some(curves) = curves {
             trimmed.project_curves_out(curves);
         }
-        // Rows beside measured curves are freed of what the curves do at their own samples.
+        // Rows that were projected off measured curves cannot be added to those of other samples.
         let can_be_wider = options.preparation == PreparationMethod::Automatic && trimmed.curves.is_none();
         let near = can_be_wider.then(|| row_filter.next_to_turning_points(uniform, motion)).flatten();
         let near = near.map(|near| trimmed.with_rows_of(&near, band, torque_mnm));

@@ -14,7 +14,7 @@ use crate::regression::least_squares::RobustCovariance;
 use crate::regression::problem::Problem;
 use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, mean, plus_minus, rms, student_95};
 
-/// A parameter whose interval spans this share of the torque's RMS, times its column, is not estimated.
+/// A parameter is not estimated if the half width of its interval times the RMS of its column exceeds this share of the torque's RMS.
 const HOPELESS: f64 = 0.5;
 /// Share of the acceleration's power that may be noise before the inertia is not estimated.
 const NOISY_ACCELERATION: f64 = 0.2;
@@ -27,7 +27,7 @@ const ONE_SIDED: f64 = 0.25;
 /// A collinear column's share of another column from which both are not identifiable.
 const ENTANGLED: f64 = 0.01;
 
-/// The settled problem with all that its words need.
+/// The settled problem with the covariances and the misfit from which values, intervals and reasons follow.
 pub(crate) struct Report<'a> {
     trimmed: &'a Trimmed<'a>,
     band: &'a Band,
@@ -288,7 +288,7 @@ impl<'a> Report<'a> {
         })
     }
 
-    /// Why a parameter that by chance alone would be known is not, beside what the model lacks.
+    /// Why a parameter cannot be identified once its interval allows for what the model lacks; `None` if it can.
     fn beside_what_is_omitted(&self, column: usize, name: &str, half: f64) -> Option<String> {
         self.why_not_identifiable(column, name, half).map(|_| {
             format!(
@@ -298,7 +298,7 @@ impl<'a> Report<'a> {
         })
     }
 
-    /// Names of the parameters that a column is a sum of, or that are a sum with it.
+    /// Names of the other parameters whose columns are linearly dependent together with this one; `None` if there are none.
     fn entangled(&self, column: usize) -> Option<String> {
         let Trimmed { columns, solution, .. } = self.trimmed;
         let collinear = (0..columns.len()).filter(|index| solution.collinear[*index] && rms(&columns[*index]) > 0.0);

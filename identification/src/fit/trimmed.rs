@@ -70,8 +70,8 @@ impl<'a> Trimmed<'a> {
         }
     }
 
-    /// Solves again with what the points of measured curves can do left out of the other columns: the curves stay as they are, and how little
-    /// is known of them joins what is known of the rest.
+    /// Solves again with the other columns projected off the points of measured curves: the curves keep their torques, and their uncertainty
+    /// enters that of the other parameters.
     pub(super) fn project_curves_out(&mut self, curves: CurveProjection) {
         let Self { problem, columns, target, .. } = self;
         let less = |column: &[f64], part: &[f64]| -> Vec<f64> {

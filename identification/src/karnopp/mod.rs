@@ -185,8 +185,8 @@ fn times(count: usize) -> String {
     }
 }
 
-/// Whether a rest lasts longer than a knob that merely turns round would stay within the tolerance: on the parabolas by which it comes and goes
-/// within `window` samples. `false` next to the ends of the capture.
+/// Whether a rest lasts longer than a mere turning point would stay within the tolerance. The parabolas of the turning point follow from how
+/// far the knob moves within `window` samples before and after the rest. `false` next to the ends of the capture.
 fn is_longer_than_a_turning_point(angle_rad: &[f64], rest: &Range<usize>, tolerance_rad: f64, window: usize) -> bool {
     let outside = [rest.start.checked_sub(window), Some(rest.end - 1 + window)];
     let inside = [rest.start, rest.end - 1];

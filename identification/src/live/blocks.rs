@@ -118,11 +118,11 @@ pub(super) struct RowFilter {
     fir: Fir,
     step: usize,
     pub(super) width: usize,
-    /// The last samples, column by column after each other in a row, twice over so that they lie in one piece.
+    /// Ring of the last samples, each with its columns side by side; stored twice, so that the samples always form one slice.
     history: Vec<f64>,
     next: usize,
     since_row: usize,
-    /// Whether any unmasked sample is in the history.
+    /// Number of unmasked samples in the history.
     unmasked: usize,
     mask: Vec<bool>,
     row: [f64; MOST_COLUMNS],

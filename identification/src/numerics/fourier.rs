@@ -24,7 +24,7 @@ pub(crate) struct Response {
 }
 
 impl Response {
-    /// The response to `count` values, each of which is the one before turned by so many cycles.
+    /// The response to `count` values; `response` is the complex gain at a frequency in cycles per value.
     pub(crate) fn new(count: usize, response: &dyn Fn(f64) -> Complex<f64>) -> Self {
         let length = (count + 1).next_power_of_two();
         let scale = 1.0 / length as f64;

@@ -3,7 +3,7 @@
 /// The samples from one before a place to two after it, between which its value is interpolated.
 pub(crate) const NEIGHBOURS: [f64; 4] = [-1.0, 0.0, 1.0, 2.0];
 
-/// Lagrange's weights of the values at four places for that of the cubic through them at another.
+/// Lagrange's weights: at `at`, the cubic through the values at four `places` is the weighted sum of these values.
 pub(crate) fn cubic_weights(places: [f64; 4], at: f64) -> [f64; 4] {
     let others = |one: f64| places.into_iter().filter(move |other| *other != one);
     let product = |from: f64, one: f64| others(one).map(|other| from - other).product::<f64>();

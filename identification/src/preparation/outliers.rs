@@ -3,9 +3,9 @@
 use crate::numerics::vector::smallest_step;
 use crate::uncertainty::statistics::{FOURTH_DIFFERENCE_DEVIATION, fourth_difference, noise_deviation};
 
-/// Standard deviations of the readings around it by which one must stand out from what lies between its neighbours …
+/// An outlier deviates from the cubic through its neighbours by more than this many standard deviations of the readings around it …
 const STANDS_OUT: f64 = 12.0;
-/// … and up to which these must fit to each other without it.
+/// … and once it is replaced, the readings around it deviate by no more than this many.
 const ORDINARY: f64 = 5.0;
 /// Readings on either side from which that deviation is estimated, since fast motion makes it larger.
 const AROUND: usize = 34;

@@ -105,7 +105,7 @@ impl RowFilter {
             columns.iter_mut().for_each(|column| column.resize(range.len(), 0.0));
             fill(range.clone(), &mut columns);
             let first = start * self.step - range.start;
-            // What acts in part of the range only is zero elsewhere.
+            // A column that is zero over the whole range adds nothing to the rows.
             let acting =
                 rows.iter_mut().zip(&mut columns).filter(|(_, column)| column.iter().any(|value| *value != 0.0));
             for (rows, column) in acting {

@@ -209,8 +209,8 @@ impl Uniform {
     }
 }
 
-/// A column's value at a time from a sample to the one after it: that of the cubic through these two and the nearest ones that are half
-/// a period or more beyond them, or of the straight line where a gap or an end is as near.
+/// A column's value between the sample at `index` and the next: on the cubic through these two and the nearest samples at least half a
+/// period beyond either, or on the straight line between the two where a gap or an end is too near for the cubic.
 fn between(time: &[f64], column: &[f64], index: usize, at: f64, step: f64) -> f64 {
     let is_near = |one: usize, other: usize| time[other] - time[one] <= GAP * step;
     let before = (0..index).rev().find(|other| time[index] - time[*other] >= 0.5 * step);

@@ -99,8 +99,8 @@ impl Spline {
     }
 }
 
-/// What holds the points of a spline, whose columns follow the `base` ones, near zero by a share of the mean point's square: where the
-/// columns of named effects, the base, can do the same, they do it.
+/// Corrections that hold the points of a spline near zero, each by a share of the mean point's square, so that a torque that the `base`
+/// columns (of named effects) can also explain goes to these. The columns of the points follow the `base` columns.
 pub(crate) fn holds(base: usize, points: &[Vec<f64>], share: impl Fn(usize) -> f64) -> Vec<Correction> {
     let squares: Vec<f64> = points.iter().map(|row| dot(row, row)).collect();
     let mean = mean(&squares);

@@ -16,8 +16,8 @@ const MOST_NOISE: f64 = 0.5;
 /// Stretches of a capture, alternately fitted and predicted.
 const STRETCHES: usize = 16;
 
-/// What is added to a column's inner products beyond its rows: what holds its coefficient near a value or, below zero, noise that
-/// the rows hold.
+/// A term added to a column's inner products: a positive square holds the coefficient near a value (a ridge), a negative one takes off
+/// the noise in the column.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Correction {
     pub(crate) column: usize,
@@ -116,8 +116,8 @@ pub(crate) fn solve(products: &DMatrix<f64>, chosen: &[usize], collinear: f64) -
 }
 
 impl Solution {
-    /// Moves the coefficients by what inner products of the columns with the residual ask for, unless that moves the prediction by
-    /// no more than `settled`; returns whether it does not.
+    /// Improves the coefficients by the step that follows from the columns' inner products with the residual. Returns `true`, without
+    /// taking the step, if it would move the prediction by no more than `settled`.
     pub(crate) fn improve(&mut self, with_residual: &[f64], settled: f64) -> bool {
         let step = self.step(with_residual);
         let is_settled = step.norm() <= settled;

@@ -50,7 +50,7 @@ pub(crate) struct RobustCovariance {
 }
 
 impl RobustCovariance {
-    /// Allows for so many more columns that took their part of the residual and are not among those looked at.
+    /// Enlarges the covariance for `columns` further columns that were fitted but are not among those of the leverage.
     pub(crate) fn enlarge(&mut self, columns: usize) {
         self.matrix *= self.rows as f64 / self.rows.saturating_sub(columns).max(1) as f64;
     }
@@ -77,10 +77,10 @@ impl LeastSquares {
         Self::of_products(columns, &vector::gram(columns), target, nonnegative, corrections, COLLINEAR)
     }
 
-    /// The same for columns that may be sums of each other.
+    /// [`Self::corrected`] for columns that may be linearly dependent.
     ///
-    /// Where they are, as an offset is of two levels of friction, the one that may have either sign is held small: it takes over
-    /// only what the others, at their bounds, cannot do.
+    /// Where they are, as an offset and two levels of friction are, the coefficient that may have either sign is held near zero: it takes
+    /// over only what the others, at their bounds, cannot explain.
     pub(crate) fn held<C: Deref<Target = [f64]>>(
         columns: &[C],
         target: &[f64],

@@ -36,7 +36,7 @@ pub(crate) fn refine(
     Ended::OutOfSteps
 }
 
-/// What the longest share of a step gives for which `improved` gives anything; shares fall by `factor`, from the whole step on.
+/// Tries the whole step, then shares that shrink by `factor`; returns the first result that `improved` gives.
 pub(crate) fn longest_improving<T>(factor: f64, improved: impl FnMut(f64) -> Option<T>) -> Result<T, Ended> {
     let mut shares = std::iter::successors(Some(1.0), |share| Some(factor * share)).take(TRIALS);
     shares.find_map(improved).ok_or(Ended::NoStepImproves)

@@ -161,9 +161,9 @@ impl Scan {
         noise_variance(&mut near)
     }
 
-    /// Power of the second strongest period in the `powers` that a detent of `wavenumber` left, its multiples apart, mNm².
+    /// Second highest peak of the `powers` beside a detent of `wavenumber`, its own period and multiples left out, mNm².
     ///
-    /// Only periods count of which the travel holds at least `fewest`.
+    /// Counts only periods of which the travel holds at least `fewest`.
     pub(crate) fn null_test(&self, powers: &[f64], wavenumber: f64, fewest: f64) -> f64 {
         let resolution = self.resolution();
         let mut others = self.peaks(powers, 64).into_iter().filter(|peak| {

@@ -24,10 +24,10 @@ const GROUPS_PER_HALF: usize = 4;
 /// Least share of a variance that is taken for left: of less, nothing can be said.
 const LEAST_LEFT: f64 = 0.1;
 
-/// What the fitted columns, made one in length, do within the windows of the kernel.
+/// Inner products of the fitted columns, scaled to unit length, within the windows of the kernel.
 ///
-/// A window's inner products are a matrix A. All that is asked for are sums over the windows of products of two of its
-/// elements, so these are taken once for all pairs.
+/// The inner products within one window are a matrix A. Only sums over the windows of products of two elements of A are
+/// needed, so these sums are computed once, for all pairs of elements.
 pub(crate) struct Leverage {
     /// Number of columns, fitted or not.
     columns: usize,
@@ -70,8 +70,8 @@ impl Leverage {
         Self { columns: columns.len(), active: active.to_vec(), lengths, gram, sums, squares, width }
     }
 
-    /// The matrix K that makes K·M·Kᵀ of the scores' long-run covariance M what it would be of errors in place of
-    /// residuals.
+    /// The matrix K that corrects the scores' long-run covariance M: K·M·Kᵀ is what M would be with the errors in place of
+    /// the residuals.
     pub(crate) fn correction(&self) -> DMatrix<f64> {
         let mut correction = DMatrix::identity(self.columns, self.columns);
         let count = self.active.len();
@@ -103,11 +103,11 @@ impl Leverage {
         correction
     }
 
-    /// Degrees of freedom of the long-run variance of Σ `direction`ⱼ·scoreⱼ: those of a χ² that varies as much, after Satterthwaite (Biometrics Bulletin 2, 1946, 110–114).
+    /// Degrees of freedom of the long-run variance of Σ `direction`ⱼ·scoreⱼ after Satterthwaite (Biometrics Bulletin 2, 1946, 110–114).
     ///
-    /// The variance is a sum over windows of squares whose expectations a go with the columns' squares there, and
-    /// which are alike over the bandwidth: it varies by 2/ν = 2·∫k²·Σa² over (Σa)², k Parzen's kernel. A knob that slides
-    /// forward half of the time has half of the windows to tell its friction by.
+    /// The variance is a sum over windows of squares; their expectations a are proportional to the columns' squares in the
+    /// window, and squares within the bandwidth are alike. Its relative variance, 2/ν as for a χ² with ν degrees of freedom, is
+    /// 2·∫k²·Σa²/(Σa)² with Parzen's kernel k. A knob that slides forward half of the time has half of the windows to show its friction.
     pub(crate) fn degrees_of_freedom(&self, direction: &DVector<f64>) -> f64 {
         let along: Vec<f64> =
             self.active.iter().zip(&self.lengths).map(|(index, length)| direction[*index] * length).collect();

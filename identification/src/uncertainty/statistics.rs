@@ -14,7 +14,7 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 const UPPER_95: f64 = 0.975;
 /// Median of the magnitudes of normal values, in standard deviations.
 pub const MEDIAN_MAGNITUDE: f64 = 0.674_489_750_196_081_7;
-/// Standard deviation of white noise's fourth differences, of which the variance is 70-fold, in its own.
+/// Standard deviation of the fourth differences of white noise, in standard deviations of the noise: √70.
 pub(crate) const FOURTH_DIFFERENCE_DEVIATION: f64 = 8.366_600_265_340_756;
 /// Median of their magnitudes, likewise.
 pub(crate) const MEDIAN_FOURTH_DIFFERENCE: f64 = MEDIAN_MAGNITUDE * FOURTH_DIFFERENCE_DEVIATION;

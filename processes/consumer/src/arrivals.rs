@@ -18,7 +18,7 @@ impl Arrivals {
     pub(crate) fn wanted(kind: ProcessKind) -> Option<Self> {
         let folder = std::path::PathBuf::from(std::env::var_os(TIMINGS_VARIABLE)?);
         let path = folder.join(format!("arrivals-{}-{}", kind.name(), std::process::id()));
-        // Whoever measures misses the file; whoever records shall not be kept from it.
+        // A file that cannot be created spoils the measurement; it must not keep the consumer from its work.
         let file = File::create(path).ok()?;
         Some(Self { file: BufWriter::with_capacity(1 << 18, file) })
     }

@@ -41,8 +41,8 @@ pub fn run(options: &RecoverOptions) -> anyhow::Result<Outcome> {
     Ok(if summary.lossy { Outcome::DataLost } else { Outcome::Done })
 }
 
-/// The parts of an archive that was never closed: beside it, and in the fallback folders of the user's runs. Without parts of a run
-/// there are none; what belongs to no run is left out.
+/// Finds the parts of an archive that was never closed, beside it and in the fallback folders of the user's runs. Files that belong
+/// to no run are left out, so that the list may be empty.
 fn parts_of(archive: &Path) -> Vec<PathBuf> {
     let mut places = fallback_dirs();
     places.insert(0, folder_of(archive).to_owned());

@@ -56,7 +56,7 @@ fn read(table: &Path, by: &str) -> anyhow::Result<Trend> {
     let rows = SerializedFileReader::new(file).with_context(foreign)?;
     let about = rows.metadata().file_metadata();
     let columns: Vec<String> = about.schema_descr().columns().iter().map(|column| column.name().to_owned()).collect();
-    // A table with verdicts has more of them behind those of every table.
+    // A table with verdicts has further columns after those that every table has.
     let of_every_table = Row::columns(None).into_iter().map(|(name, _)| name);
     ensure!(of_every_table.eq(columns.iter().take(Row::columns(None).len()).cloned()), foreign());
     let metadata = about.key_value_metadata().into_iter().flatten();

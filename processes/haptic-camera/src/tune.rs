@@ -22,7 +22,7 @@ pub struct TuneOptions {
     pub settings: Vec<(String, f64)>,
 }
 
-/// How often another `tune` may be faster before this one gives up; each time one of the others is done.
+/// How often other `tune` commands may overtake this one before it gives up; each time one of them has succeeded.
 const OVERTAKEN: usize = 16;
 
 /// Sends the running replay another model, or tells the present one.
@@ -62,7 +62,7 @@ pub fn run(options: &TuneOptions) -> anyhow::Result<()> {
 /// Longest wait for one answer, after which the request is sent again. Checking a model takes a tenth of a second of a core that the
 /// loop's publisher may have to share.
 const ANSWER: Duration = Duration::from_secs(2);
-/// Times that a request is sent. One that was taken without the answer coming back is answered by its own model.
+/// Most times that a request is sent. If it was taken and its answer lost, the next answer returns the requested model itself.
 const ATTEMPTS: u32 = 5;
 /// Longest wait until the loop can take a model: it takes one in a quarter of a second.
 const PATIENCE: Duration = Duration::from_secs(2);

@@ -41,8 +41,8 @@ pub(crate) struct Recording {
     part: Option<Part>,
     /// Every sample that this process received, over all its parts.
     received: SequenceLedger,
-    /// What the disk has not yet taken: written again when the part fails, be it that a write does or that the disk
-    /// could not take what the operating system had.
+    /// Entries that are not yet on the disk. They are written again when the part fails, whether in a write or because the
+    /// disk could not take what the operating system had.
     unsaved: VecDeque<Entry>,
     /// How many of these the disk is at work on.
     at_disk: usize,

@@ -1,8 +1,8 @@
 //! Gains of the coupling drawn at random, and how much each lets be rendered on the simulated rig.
 //!
-//! `cargo run --release -p rt-loop --example choose_gains -- [RATE_HZ] [DRAWS]`: those under which no hand of the class makes a knob
-//! swing that sticks or has an inertia up to 0.42 mNm·s²/rad, the one that carries most of a slow load last. The first line has the
-//! gains in use.
+//! `cargo run --release -p rt-loop --example choose_gains -- [RATE_HZ] [DRAWS]` prints the gains in use, then the ten best of those
+//! drawn gains under which no hand of the class can make a knob swing, whether the knob sticks or has an inertia up to
+//! 0.42 mNm·s²/rad. The gains that carry most of a slow load come last.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs, reason = "a study may stop at a failure")]
 

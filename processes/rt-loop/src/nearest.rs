@@ -26,12 +26,12 @@ const INSIDE: f64 = 1e-9;
 const MOVING: f64 = 0.99;
 
 impl Admission {
-    /// The model itself, or one with inertia, friction, stiffness and torque clipped to what the rig renders: the bounds are met one
-    /// by one, each by what it bounds alone.
+    /// The model itself, or one with inertia, friction, stiffness and torque clipped to what the rig renders. The bounds are met one
+    /// by one, each by a change of the bounded quantity alone.
     ///
-    /// Of a light knob the inertia is raised in front of its gap, what is inside stays; a contact becomes as stiff as can be,
-    /// and no more damped than that takes; too large a torque is first taken off viscous friction and what the knob bears at rest. What has no place
-    /// in the renderer is left out.
+    /// If the inertia in front of a gap is too small, it is raised and the inner inertia stays. A contact becomes as stiff as
+    /// possible, with no more damping than that takes. Too large a torque is first taken off viscous friction and off what the knob
+    /// bears at rest. Effects that have no place in the renderer are left out.
     ///
     /// # Errors
     /// The refusal of a model that does not come inside the bounds so.
@@ -162,8 +162,8 @@ fn scale_torques(model: &mut Model, share: f64) -> bool {
     })
 }
 
-/// Lowers friction to `room_mnm`, what detents and springs leave: what the knob bears at rest, and viscous friction at the fastest
-/// motion of a hand. Where that is not it, or the Coulomb friction alone is more, all torques become a `share` of theirs.
+/// Lowers friction to `room_mnm`, which detents and springs leave: at rest the torque that the knob bears, and at a hand's fastest
+/// motion the viscous part. Where that changes nothing, as when Coulomb friction alone is larger, scales all torques by `share`.
 fn lower_torque(model: &mut Model, room_mnm: f64, share: f64) -> bool {
     let borne = change(model, |kind, _, unit, value| match (kind.part, unit) {
         (Part::Stick(_), "mNm") if room_mnm > 0.0 => value.min(room_mnm),

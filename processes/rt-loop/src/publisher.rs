@@ -152,7 +152,7 @@ impl StreamPublisher {
             let now_ns = monotonic_time_ns();
             if now_ns >= next_status_ns || state != shown || finished != (self.current.finished == 1) {
                 self.current.finished = u32::from(finished);
-                // What no block could be loaned for by now is not counted on.
+                // Samples still in the ring found no block to go into: they count as dropped.
                 let left_in_ring = if finished { self.incoming.slots() as u64 } else { 0 };
                 self.current.dropped_samples = self.shared.dropped_samples() + self.unsent_samples + left_in_ring;
                 self.publish_status(state, now_ns);

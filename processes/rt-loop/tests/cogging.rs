@@ -41,7 +41,7 @@ fn felt(further: &[&str], knowing: impl Fn(&mut Calibration)) -> Vec<[f64; 2]> {
     readings
 }
 
-/// Amplitude of 48 periods a turn in what one feels more than the other while it turns fast, mNm: the larger of both directions.
+/// Amplitude at 48 periods a turn of the torque difference between two runs while they turn fast, mNm: the larger of both directions.
 fn teeth_mnm(one: &[[f64; 2]], other: &[[f64; 2]]) -> f64 {
     let left = |sign: f64| {
         let mut sums = [0.0; 3];

@@ -43,7 +43,7 @@ impl Change {
     }
 }
 
-/// Time between two changes, each of which came at any time since the row before, as likely at one as at another.
+/// Time between two changes; the time of each is uniformly distributed between its row and the row before.
 fn bounce_ms(t_s: Option<&[f64]>, first: usize, last: usize) -> Result<Estimate, &'static str> {
     let t_s = t_s.ok_or(NO_TIME)?;
     let steps_s = [first, last].map(|row| t_s[row] - t_s[row - 1]);

@@ -22,7 +22,7 @@ use features::features;
 use figures::{CONTACT_CLOSING_BOUNCE, CONTACT_HYSTERESIS, CONTACT_OPENING_BOUNCE};
 use stroke::{STEP_MM, smoothed};
 
-/// A mean over seven rows takes a seventh of the noise's square along: √(7/6) gives it back.
+/// The residual about a mean over seven rows lacks a seventh of the noise's variance: √(7/6) restores it.
 const UNTAKEN: f64 = 1.080_123_449_734_643_6;
 /// Fewest steps of a press.
 const FEWEST_STEPS: usize = 40;

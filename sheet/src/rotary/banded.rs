@@ -1,9 +1,9 @@
 //! Symmetric matrices of which only a band about the diagonal is not zero.
 
-/// Values below this do not count in a norm of which one is the largest possible.
+/// Share of the norm, which is at most one, below which a squared value is negligible.
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// A symmetric matrix: of each row the values left of the diagonal, from the diagonal on.
+/// A symmetric matrix: each row holds the value on the diagonal, then the values to its left, nearest first.
 #[derive(Debug)]
 pub(super) struct Banded {
     rows: Vec<Vec<f64>>,

@@ -10,7 +10,7 @@ use crate::noise::Signs;
 
 /// Neighbouring cells whose noise may go together.
 const CORRELATED: usize = 4;
-/// Least share of a row's noise that is taken to be left.
+/// Least value of 1 − leverage in the correction of a residual.
 const LEAST_FREE: f64 = 0.1;
 
 /// Rows in one direction, those in a cell of angle as their mean.
@@ -80,8 +80,8 @@ impl SplineBranch {
         let mut left: Vec<f64> =
             self.cells.loads.iter().zip(&self.smooth).map(|(load, smooth)| load - smooth).collect();
         let correlated = together(&left);
-        // The rows next to a hinge take most of it along (H. White's residuals in the form HC2: J. G. MacKinnon, H. White,
-        // J. Econometrics 29, 1985, 305–325).
+        // Next to a hinge the spline follows most of the noise; the leverage corrects for that (H. White's residuals in the form HC2:
+        // J. G. MacKinnon, H. White, J. Econometrics 29, 1985, 305–325).
         for (left, leverage) in left.iter_mut().zip(self.fit.leverages()) {
             *left *= correlated / (1.0 - leverage).max(LEAST_FREE).sqrt();
         }
@@ -108,7 +108,7 @@ impl SplineBranch {
     }
 }
 
-/// A branch with what the spline leaves, by as much larger as the spline takes along and as neighbours go together.
+/// A branch with its residuals, enlarged to correct for the spline's leverage and for the correlation of neighbouring cells.
 #[derive(Debug)]
 pub(super) struct Noise<'a> {
     branch: &'a SplineBranch,
@@ -122,7 +122,7 @@ impl Noise<'_> {
     }
 }
 
-/// How many times the noise of a mean is larger than that of independent values, as neighbours go together.
+/// Factor by which the noise of a mean exceeds that of independent values, because neighbours are correlated.
 fn together(left: &[f64]) -> f64 {
     let product = |lag: usize| left.iter().zip(&left[lag.min(left.len())..]).map(|(a, b)| a * b).sum::<f64>();
     let variance = product(0);

@@ -32,14 +32,14 @@ use spline::Spline;
 const KNOTS_PER_DETENT: [f64; 4] = [12.0, 18.0, 27.0, 40.0];
 /// Cells in a detent: rows in a cell count as their mean.
 const CELLS_PER_DETENT: f64 = 240.0;
-/// Times the knots that predict best: where a branch bends, its own noise is then larger than what the spline makes of the bend,
-/// and only noise is in the intervals.
+/// Number of knots relative to the number that predicts best. With more knots, the spline's bias where a branch bends is smaller than
+/// the noise, and the intervals need to allow for noise only.
 const UNDERSMOOTHED: f64 = 1.5;
-/// How far a hinge reaches either way, in knots. A knob jerks where its torque bends, and its inertia times that is in the torque: the
-/// narrow hinge averages over the jerk, the wide one follows the bend of a knob without inertia best. What a figure shifts from one to
-/// the other is part of its standard error.
+/// How far a hinge reaches either way, in knots. A knob jerks where its torque bends, which adds an inertial torque: the narrow hinge
+/// averages over the jerk, the wide one follows the bend of a knob without inertia best. The difference of a figure between the two
+/// is part of its standard error.
 const REACHES: [f64; 2] = [2.0, 6.0];
-/// Times that hinges are put where the branches with the hinges before them rest.
+/// Iterations in which the hinges are moved to the rests of the branches with the hinges of the iteration before.
 const BEND_ROUNDS: usize = 3;
 /// Detents in a turn that stand for those of a control without any.
 const DETENTS_OF_NONE: f64 = 6.0;
@@ -49,7 +49,7 @@ const FREE_TRAVEL_BIN_S: f64 = 0.005;
 const ROWS_PER_KNOT: f64 = 4.0;
 /// Part of the travel, from each end, in which an end stop may lie.
 const OUTER: f64 = 0.2;
-/// Times the torque within that an end stop takes.
+/// Torque from which on an angle counts as in an end stop, relative to the largest torque in the middle of the travel.
 const STOPS: f64 = 2.0;
 
 const NO_STOP: &str = "the turn met no end stop";
@@ -96,14 +96,14 @@ pub(crate) fn read(curve: &Curve) -> Result<Turned, CurveError> {
     let redrawn: Vec<[Spline; 2]> =
         (0..DRAWS).map(|_| noise.each_ref().map(|noise| noise.redrawn(&mut signs))).collect();
     let looked: Vec<Look> = redrawn.iter().map(|[back, there]| frame.look([back, there])).collect();
-    // A largest value picks the noise that is highest. What the noise adds to a figure once more, it has added before.
+    // A maximum picks the highest noise, which biases it. Redrawing adds the same noise, and so the same bias, again: it is subtracted.
     let estimate = |value: f64, of: &dyn Fn(&Look) -> Option<f64>| {
         let values: Vec<f64> = looked.iter().filter_map(of).collect();
         let (mean, standard_error) = mean_and_deviation(&values).unwrap_or((value, 0.0));
         let shift = of(&otherwise).map_or(0.0, |other| other - value);
         Estimate { value: 2.0 * value - mean, standard_error: standard_error.hypot(shift) }
     };
-    // Of what should be nothing the noise alone makes a largest departure, √2 times that with as much noise again.
+    // Where there is no departure, noise alone makes one; redrawing adds as much noise again, which makes it √2 times as large.
     let departure = |value: f64, of: &dyn Fn(&Look) -> Option<f64>| {
         let Estimate { value: corrected, standard_error } = estimate(value, of);
         let made = (value - corrected) / (SQRT_2 - 1.0);

@@ -100,7 +100,7 @@ fn together(count: usize, draw: &mut Draw) -> Vec<&'static Kind> {
 
 /// Knobs and motions are drawn anew so often when an effect cannot reach its strength on them.
 const TRIES: usize = 60;
-/// Effects that are hidden together are drawn anew so often.
+/// Draws of a knob and its motions after which effects that are hidden together are drawn anew too.
 const TRIES_TOGETHER: usize = 12;
 /// The held-out capture must show an effect of at least this part of its size in the training capture.
 const LEAST_HELD_OUT: f64 = 0.25;
@@ -218,7 +218,7 @@ impl Bench {
         if least.is_nan() || least > target {
             return None;
         }
-        // Walks up from the weak end: far beyond the strength a knob may do what no longer grows with the size.
+        // Walks up from the weak end: far beyond the strength, what the effect leaves may no longer grow with its size.
         let rung = |number: u32| weakest + f64::from(number) / 8.0 * (strongest - weakest);
         let beyond = (1..=8).find(|number| rms_at(rung(*number)) > target)?;
         let (mut weak, mut strong) = (rung(beyond - 1), rung(beyond));

@@ -87,7 +87,7 @@ impl Motion {
             let rest_s = draw.uniform(0.02, 0.25);
             for index in 0..((moving_s + rest_s) * GRID_HZ) as usize {
                 let time = (index as f64 / GRID_HZ).min(moving_s);
-                // What an acceleration that begins at a time adds to the way.
+                // Distance that a constant acceleration adds if it begins at `begin`.
                 let added = |begin: f64| 0.5 * acceleration * (time - begin).max(0.0).powi(2);
                 shape.push(from + way.signum() * (added(0.0) - added(rising_s) - added(moving_s - rising_s)));
             }

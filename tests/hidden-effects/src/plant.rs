@@ -192,7 +192,7 @@ impl Slider<'_> {
         } else if velocity <= 0.0 && falling < 0.0 {
             Step { velocity: falling, friction: -down.0 + 0.5 * down.1 * (velocity + falling), place }
         } else {
-            // Stands: at rest the drive does not reach the friction; from motion, the way round leads through zero.
+            // The body stands: from rest the drive does not overcome the friction, and from motion the velocity would pass zero.
             Step { velocity: 0.0, friction: impulse / STEP_S, place }
         }
     }

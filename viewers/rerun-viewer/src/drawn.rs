@@ -87,8 +87,8 @@ impl Drawn {
         lock(&self.0).seal();
     }
 
-    /// The newest of the frames from one number up to another that a page lacks, as far as they are kept, as a rerun file that
-    /// is empty when nothing is new. Without an end that is all that is new, and what belongs to no time besides.
+    /// The newest of the kept frames from number `from` to before number `to`, as a rerun file that is empty when nothing is new. Without
+    /// `to`, the frames reach to the newest one, and the file also has what is new of what belongs to no time.
     pub fn answer(&self, from: u64, to: Option<u64>) -> anyhow::Result<(Contents, Vec<u8>)> {
         let (contents, mut messages, chunks) = lock(&self.0).pick(from, to);
         let mut chunks = merged(chunks)?;

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What is guarded, though a thread may have panicked with it: each leaves it whole between any two of its steps.
+/// Locks a mutex even if a thread panicked while it held the lock: every thread leaves the guarded value consistent after each step.
 pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -97,7 +97,7 @@ impl<'f> Group<'f> {
         }
     }
 
-    /// The samples that its block says there are: the crate trusts what it finds, and so takes what is cut off for the end.
+    /// The number of samples that the group's block declares. The crate only counts what it finds, and so overlooks data that are cut off.
     fn declared_samples(&self, file: &Mf4File) -> Result<u64, Mf4Error> {
         let number = |offset: u64| {
             let bytes = file.read_raw(offset, size_of::<u64>())?;
@@ -109,7 +109,7 @@ impl<'f> Group<'f> {
         number(block.saturating_add(HEADER + 8).saturating_add(links.saturating_mul(8)))
     }
 
-    /// Its number, samples and rate.
+    /// The group's number and its number of samples.
     pub(super) fn in_words(&self) -> String {
         format!("group {}, {} samples", self.number, self.channels.sample_count)
     }

@@ -86,7 +86,7 @@ fn places<'f>(groups: &[Group<'f>], is_wanted: impl Fn(&Group<'f>, &Channel) -> 
     all.filter(|(group, place)| is_wanted(group, place.channel)).map(|(_, place)| place).collect()
 }
 
-/// One channel of each: those of the only group that has one of each, or the only ones that there are.
+/// One channel for each quantity: those of the only group that has exactly one of each, or else the only ones in the file.
 fn together<'f>(groups: &[Group<'f>], found: &[Option<Vec<Place<'f>>>; 4]) -> Result<[Option<Place<'f>>; 4], String> {
     let of_group = |group: usize| {
         let alone = |places: &Option<Vec<Place<'f>>>| {

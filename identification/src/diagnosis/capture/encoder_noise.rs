@@ -1,8 +1,8 @@
 //! The noise that an encoder's steps make of the acceleration.
 //!
-//! Steps are white noise only to a knob that crosses many of them between two samples. One that turns slowly makes a saw tooth of each, whose
-//! lines may lie within the band, and several times the noise that the spectrum beyond the band suggests. How the knob turned is known, so its
-//! smooth angle is read by the same encoder once more.
+//! Steps are white noise only if the knob crosses many of them between two samples. While it turns slowly, each step is a tooth of a sawtooth,
+//! whose spectral lines may lie within the band and exceed several times the noise that the spectrum beyond the band suggests. Since the
+//! motion is known, its smooth angle is quantised with the same steps once more.
 
 use crate::numerics::derivative::gradient;
 use crate::preparation::encoder_step::encoder_step;

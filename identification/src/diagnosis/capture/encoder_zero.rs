@@ -22,7 +22,7 @@ const PER_PHASE: f64 = 3.0;
 const MOST_TRIED: usize = 4_000;
 /// Rows by which they are compared, at most twice as many.
 const ROWS: usize = 2_000;
-/// A smaller angle is taken before a larger one that leaves so much less of the sum of squares.
+/// The smallest angle is taken among those whose sum of squares exceeds the least one by at most this share.
 const AS_GOOD: f64 = 0.02;
 /// Share of the squares at the rows' middles that another zero must take off to be looked at closely.
 const PROMISING: f64 = 0.05;
@@ -49,8 +49,8 @@ pub(crate) struct EncoderZero {
 }
 
 impl EncoderZero {
-    /// Where the held-out capture's zero lies elsewhere, by the torques of the angle that the model has or obviously lacks;
-    /// `None` where it does not.
+    /// The angle between the zeros, estimated from the torques of the angle that the model has or obviously lacks; `None` if
+    /// both captures have the same zero.
     pub(crate) fn of(base: &Judged, [train, heldout]: &[Capture; 2]) -> Option<Self> {
         let structure = &base.structure;
         let by_base = Self::by(structure, heldout);
@@ -70,7 +70,7 @@ impl EncoderZero {
         shows.and_then(|(_, best)| Self::by(&best.structure, heldout)).or(by_base)
     }
 
-    /// The same by the torques of the angle in one structure.
+    /// The angle between the zeros, estimated from the torques of the angle in one structure.
     fn by(structure: &Structure, heldout: &Capture) -> Option<Self> {
         if structure.is_coupled() {
             return None;
@@ -80,7 +80,7 @@ impl EncoderZero {
         Self::near(from_rad, step_rad, structure, heldout)
     }
 
-    /// The same by a structure that lacks less than the one before.
+    /// Estimates the angle again, by a structure that lacks less than the one that gave `before`.
     pub(crate) fn again(before: Option<Self>, structure: &Structure, heldout: &Capture) -> Option<Self> {
         let Some(before) = before else { return Self::by(structure, heldout) };
         let step_rad = phase_rad(structure, heldout).map_or(before.half_rad, |phase_rad| phase_rad / PER_PHASE);

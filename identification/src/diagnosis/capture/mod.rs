@@ -85,7 +85,7 @@ pub(crate) struct Capture {
     torque: [Vec<f64>; 3],
     /// RMS in the rows of the torque channel's noise, mNm.
     torque_noise_mnm: f64,
-    /// The same, if it is white as the upper end of its spectrum says.
+    /// RMS in the rows of the torque channel's noise, mNm, if it is white with the density at the upper end of its spectrum.
     white_torque_noise_mnm: f64,
     /// RMS in the rows of the acceleration's noise, rad/s².
     acceleration_noise_rad_s2: f64,
@@ -216,8 +216,8 @@ impl Capture {
         self
     }
 
-    /// The same without the rows beyond the angles of another capture; `None` where nothing or hardly anything is beyond,
-    /// or within.
+    /// The capture without the rows beyond the angles of another capture; `None` if no rows are beyond them, or too few are
+    /// within.
     pub(crate) fn within(&self, other: &Self) -> Option<Self> {
         let range = other.scene.lowest_rad..=other.scene.highest_rad;
         let mut within = self.clone();
@@ -257,8 +257,8 @@ impl Capture {
         self.floor_mnm(cap).hypot(self.driven_noise_mnm(structure))
     }
 
-    /// RMS that a residual beside a knob of this inertia would have if all of it were like the tenth of its stretches that is the quietest for
-    /// the noise expected there, mNm: where a model is wrong, it is so by different amounts in different stretches, and noise is in all.
+    /// RMS of the noise in a residual beside a knob of this inertia, mNm, estimated from the quietest tenth of its stretches, relative to the
+    /// noise expected in each: all stretches have noise, but a wrong model errs by different amounts in different stretches.
     pub(crate) fn quiet_rms_mnm(&self, residual: &[f64], inertia: f64) -> f64 {
         let weights: Vec<f64> =
             self.row_filter.mask.iter().step_by(self.row_filter.step).map(|mask| mask * mask).collect();
@@ -283,8 +283,8 @@ impl Capture {
         if ratios.len() < FEWEST_STRETCHES { f64::INFINITY } else { (quantile(&mut ratios, 0.1) * even).sqrt() }
     }
 
-    /// RMS in the rows of what the angle's noise makes of a simulation that the angle drives, mNm: the simulation with
-    /// as much noise again, against the one without.
+    /// RMS in the rows of the error that the angle's noise causes in a simulation driven by the angle, mNm: the difference
+    /// between a simulation with as much noise added and the one without.
     fn driven_noise_mnm(&self, structure: &Structure) -> f64 {
         let deviation = (self.motion.angle_density * 0.5 * self.rate_hz).sqrt();
         let mut random = Xoshiro256PlusPlus::seed_from_u64(1);

@@ -84,8 +84,7 @@ impl Structure {
         columns
     }
 
-    /// By how much friction that grows with the load adds to the torques of the load, as a share of them, at every sample; `None` without such
-    /// friction.
+    /// Signed share of the load's torque that friction growing with the load adds to it, at every sample; `None` without such friction.
     pub(crate) fn load_factor(&self, motion: &KnobMotion) -> Option<Vec<f64>> {
         let model = self.model();
         let coefficient = model.load_friction();

@@ -20,8 +20,8 @@ pub(crate) fn of(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'sta
     values(&fit, &fit.secants())
 }
 
-/// The same for the values with a straight end as they are. Of a drift that may as well be a straight line only the slope is known: neither how far
-/// it goes nor for how long has a useful interval, though the drift is surely something.
+/// As [`of`], but with the values that have a straight end held fixed. If a drift may as well be a straight line, only its slope is known: neither
+/// its extent nor its duration has a useful interval, though the drift is certain.
 pub(crate) fn given_straight_ends(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'static str, Value>> {
     let fit = Nonlinear::new(structure.clone(), capture);
     let mut tangents = fit.secants();

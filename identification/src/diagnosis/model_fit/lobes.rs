@@ -120,7 +120,7 @@ impl Lobes {
         }
     }
 
-    /// Whose places decide where a zero is, and by how much: the end of a unit is its own, the middle lies between two.
+    /// The units that move a zero, with their shares: a unit moves the zero at its start alone, and the one in its middle with the next unit.
     pub(crate) fn decided_by(&self, zero: usize) -> [(usize, f64); 2] {
         let unit = self.unit_of(zero);
         if self.first_lobe(unit) == zero {

@@ -25,8 +25,8 @@ const ROWS_PER_VALUE: usize = 10;
 const SLOW_SAMPLES: f64 = 5.0;
 /// … and most samples that are passed at once.
 const LARGEST_STEP: usize = 4;
-/// A fit that leaves more than this, in floors, may be led into its valley by a coarse simulation of slow motion: its error is as large as what
-/// a fainter contact does.
+/// RMS of a fit's residual, in floors, above which a coarse simulation of slow motion may lead the fit into its valley. The error of the coarse
+/// simulation is as large as the effect of a fainter contact.
 const COARSE: f64 = 6.0;
 /// Steps in the whole band.
 const ROUNDS: usize = 14;
@@ -115,7 +115,7 @@ impl<'a> Nonlinear<'a> {
         Self::with_residual(structure, residual, capture)
     }
 
-    /// Those of several structures.
+    /// As [`new`](Self::new), for several structures.
     pub(crate) fn all(structures: &[Structure], capture: &'a Capture) -> Vec<Self> {
         let fits = structures.par_chunks(TOGETHER).flat_map_iter(|group| {
             let residuals = residuals(&group.iter().collect::<Vec<_>>(), capture, Resolution::Full);
@@ -182,7 +182,7 @@ impl<'a> Nonlinear<'a> {
     }
 
     fn refine_in(&mut self, share: f64, rounds: usize) {
-        // A band of slow motion has to lead into the right valley: there derivatives taken anew cost no step.
+        // A band of slow motion has to lead into the right valley: there, repeating a step with new derivatives does not count as a step.
         let (settled, attempts) = if share < 1.0 { (SLOW_SETTLED, usize::MAX) } else { (SETTLED, rounds) };
         let mut damping = DAMPING;
         let resolution = self.resolution(share);
@@ -307,9 +307,9 @@ impl<'a> Nonlinear<'a> {
         self.tangents_by(&values, DIFFERENCE, 1.0)
     }
 
-    /// A value of the last effect that would go beyond the bound of its search if it could: the fit stands on the bound,
-    /// and on the near side of it the fit is clearly worse. Gives the parameter's name. It may stand at the end from which on the capture shows the
-    /// same straight line.
+    /// Name of a parameter of the last effect that would go beyond the bound of its search if it could: its value stands on the
+    /// bound, and a little inside the fit is clearly worse. The end of a range from which on the capture shows the same straight
+    /// line does not count as a bound.
     pub(crate) fn on_bound(structure: &Structure, capture: &Capture) -> Option<&'static str> {
         let index = structure.effects.len().checked_sub(1)?;
         let effect = structure.effects[index];
@@ -349,8 +349,8 @@ impl<'a> Nonlinear<'a> {
         self.tangents_over(DIFFERENCE, share)
     }
 
-    /// The same over steps as large as a simulated body needs, since whether it touches or sticks at a moment makes its torque a step function
-    /// of the values: over small steps a single moment would count as all that the capture tells.
+    /// As [`tangents`](Self::tangents) in the whole band, but over larger steps if a body is simulated. Its torque is a step function of the
+    /// values, since at any moment it touches or sticks or does not: over small steps a single such moment would dominate the derivatives.
     pub(crate) fn secants(&self) -> Vec<Vec<f64>> {
         self.tangents_over(if self.structure.is_simulated() { SECANT } else { DIFFERENCE }, 1.0)
     }

@@ -75,7 +75,7 @@ impl<'a> Separable<'a> {
         dot(&left, &left)
     }
 
-    /// What fits beside all else as a torque that bends slowly along the angle, a polynomial: its torque at an angle, mNm.
+    /// A polynomial of the angle, fitted beside all columns, for a torque that bends slowly along the angle: returns its torque at an angle, mNm.
     pub(crate) fn bend(&self) -> impl Fn(f64) -> f64 + use<> {
         let scene = self.capture.scene();
         let middle_rad = 0.5 * (scene.lowest_rad + scene.highest_rad);
@@ -108,9 +108,9 @@ impl<'a> Separable<'a> {
 
     /// Solves for the coefficients.
     ///
-    /// A factor multiplies the friction, whose levels are coefficients too, and the load; a stop lets go where its damper would pull: there it
-    /// takes steps of Gauss and Newton from the coefficients at hand. Fitted in turn, the levels would not count with what the factor makes of
-    /// them, and end elsewhere where an offset can replace them.
+    /// The problem is nonlinear if a factor multiplies friction or load, whose coefficients are fitted too, or if there is a stop, which lets go
+    /// where its damper would pull. Then it takes Gauss–Newton steps from the present coefficients. If levels and factor were fitted in turn,
+    /// the levels would be fitted without the factor's effect on them, and would end elsewhere if an offset can replace them.
     fn solve(&mut self) {
         let nonnegative = self.structure.nonnegative();
         let is_linear = self.kept.products.is_empty()
@@ -179,8 +179,8 @@ impl<'a> Separable<'a> {
         sums
     }
 
-    /// The torque's derivatives by the coefficients, and what these are to add up to: without what the load's friction makes of the load, which is
-    /// small and costly.
+    /// The torque's derivatives by the coefficients, and the target of a linear fit of them. The derivatives leave out how the coefficients change
+    /// the friction of the load through the load, which is small and costly.
     fn linearised(&self) -> (Vec<Cow<'_, [f64]>>, Cow<'_, [f64]>) {
         self.linearised_with(None)
     }
@@ -190,7 +190,7 @@ impl<'a> Separable<'a> {
         let mut columns: Vec<Cow<'_, [f64]>> = self.columns().into_iter().map(Cow::Borrowed).collect();
         let mut target = Cow::Borrowed(self.target.as_slice());
         let ranges = self.structure.ranges();
-        // The factor at hand counts in the levels' columns and in its own: once too often.
+        // The product of level and factor is now in the columns of both, once too often: it is added to the target too.
         let mut multiply = |column: usize, by: f64, row: &[f64]| {
             subtract(columns[column].to_mut(), -by, row);
             subtract(target.to_mut(), -by * self.coefficients[column], row);

@@ -47,7 +47,7 @@ pub(crate) fn fitted(effects: &[Effect], base: &Structure, train: &Capture) -> O
     Some(stiff.with(best, 0))
 }
 
-/// A structure with all but its shaft fitted behind that; any other as it is.
+/// A structure with all effects but its shaft fitted behind the shaft; a structure without a shaft that twists is returned as it is.
 pub(crate) fn settled(structure: Structure, train: &Capture) -> Structure {
     let Some(((index, effect), (bare, behind))) = of(&structure).zip(unwound(&structure, train)) else {
         return structure;
@@ -122,7 +122,7 @@ pub(crate) fn of(structure: &Structure) -> Option<(usize, Effect)> {
     structure.effects.iter().copied().enumerate().find(|(_, effect)| shaft(effect).is_some())
 }
 
-/// A structure on a shaft that twists as the same without the shaft, and a capture as it would be behind it; `None` if there is no such shaft.
+/// A structure without its shaft that twists, and a capture as it would be behind this shaft; `None` if the structure has no such shaft.
 pub(crate) fn unwound(structure: &Structure, capture: &Capture) -> Option<(Structure, Capture)> {
     let (index, effect) = of(structure)?;
     let bare = structure.without(index);
@@ -155,8 +155,8 @@ fn motion(shaft: &Coupling, outer: f64, delay_s: f64, capture: &Capture) -> Knob
         (&mut motion.velocity_rad_s, 1.0),
         (&mut motion.acceleration_rad_s2, shaft.inner_share),
     ];
-    // Torque on a spring beside a damper: the twist lags behind it. The torque goes straight from sample to sample: held instead it would act
-    // half a sample off, and its noise seem smaller behind a shaft than it is.
+    // The torque acts on a spring parallel to a damper, so the twist lags behind it. The torque is interpolated linearly between samples: if it
+    // were held, it would act half a sample off, and its noise would seem smaller behind a shaft than it is.
     let lag = shaft.damping * capture.rate_hz / shaft.stiffness_mnm_rad;
     for ((values, share), torque) in sides.into_iter().zip(torques.iter()) {
         let twists_mnm = lagged(torque, lag);

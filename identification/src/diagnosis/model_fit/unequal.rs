@@ -27,7 +27,7 @@ const SETTLED: f64 = 1e-4;
 /// unit's square.
 const HELD: f64 = 1e-3;
 
-/// Columns of the units' heights, and of their places at the present heights, each sample's multiplied by one and what `more` adds.
+/// Columns of the units' heights, and of their places at the present heights; every sample is multiplied by 1 + `more`.
 fn columns_of(lobes: &Lobes, capture: &Capture, more: impl Fn(usize) -> f64 + Sync) -> Vec<Vec<f64>> {
     // Of the many columns a sample has its part in five: the others are not looked at.
     capture.row_filter.rows_of(2 * lobes.units(), |range, columns| {
@@ -44,7 +44,7 @@ fn columns_of(lobes: &Lobes, capture: &Capture, more: impl Fn(usize) -> f64 + Sy
 /// The structure with unequal detents in the place of its equal ones, fitted to the capture, and the sum of squares that it leaves; `None` if it
 /// has none.
 ///
-/// A detent is as high as it is deep; of those from rest to rest and those from wall to wall the ones that leave less.
+/// Peak and trough of a detent are equally high. Detents extend from rest to rest or from wall to wall, whichever leaves less.
 pub(crate) fn structure(base: &Structure, capture: &Capture) -> Option<(Structure, f64)> {
     let index = base.position(effects::detent::KIND.name)?;
     let scene = capture.scene_of(base);

@@ -40,14 +40,14 @@ pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldou
     let is_steady = after.steadily_better_than(before) > STEADY;
     // An end stop may act in a few stretches only; then what was never fitted must speak for it.
     let unseen = heldout.weight * (before.heldout_rms_mnm / after.heldout_rms_mnm).ln();
-    // Whether a simulated body breaks away at one moment may hang on anything: then one stretch proves nothing. Nor does it
-    // where much of the residual is no noise, which the likelihood takes it for.
+    // A few stretches prove nothing if a simulated body can stick, since anything may decide whether it breaks away at one moment. Nor do
+    // they if much of the residual is not noise, since the likelihood takes all of it for noise.
     let may_be_seldom =
         !(before.structure.is_coupled() && before.structure.sticks()) && after.heldout_over_floor() < MOSTLY_NOISE;
     let predicts = after.heldout_over_floor() < MOSTLY_NOISE || after.heldout_p_value(before) < CHANCE;
     let takes_enough = explains_enough(before, after) && closed > SMALLEST * floor * floor;
-    // Near the floor, its own uncertainty exceeds the gap; what both captures say of a first effect, stretch after stretch, does not depend on it.
-    // What that leaves another could imitate, and what is fitted to either capture predicts nothing.
+    // Near the floor, the floor's uncertainty exceeds the gap, but the gain of a first effect in stretch after stretch does not depend on the floor.
+    // A later effect could imitate what the first one leaves, and an effect that is fitted to each capture predicts nothing.
     let is_first = before.structure.effects.iter().all(|effect| first.structure.position(effect.kind().name).is_some());
     let speaks_for_itself = is_first
         && is_near_the_floor(before)

@@ -120,7 +120,7 @@ impl Judged {
         (above.fitted() > 0).then(|| Self::of(moved, train_residual, train, heldout))
     }
 
-    /// The same as what another structure leaves, which it is equal to.
+    /// The same judgement for an equivalent structure, which leaves the same residuals; only the cost of its freedom differs.
     pub(crate) fn with_structure(self, structure: Structure, train: &Capture, heldout: &Capture) -> Self {
         let cost = |structure: &Structure| cost(structure, train, heldout);
         Self { evidence: self.evidence + cost(&self.structure) - cost(&structure), structure, ..self }

@@ -236,8 +236,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Adds an effect, or takes it for the detents if it is the first torque that repeats with the angle, which the model's base lacked; whether
-    /// it was added.
+    /// Adds an effect and returns true. If the effect is the first torque that repeats with the angle, which the base lacked, puts it into every
+    /// model as the detents and returns false.
     fn add_or_take_for_detents(&self, found: &mut Found, chosen: Judged, rivals: Vec<Judged>, is_part: bool) -> bool {
         let Some(detent) = self.as_detent(&chosen) else {
             self.add(found, chosen, rivals, is_part);

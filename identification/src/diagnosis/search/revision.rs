@@ -9,11 +9,11 @@ use crate::diagnosis::search::found::{Added, Found};
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::trials::detent_of;
 
-/// Effects of which the first is the second where the capture does not show its further parameter: a spring far from its centre is an
-/// offset.
+/// Pairs of effects. The first acts like the second if the capture does not show the parameter that the second lacks: a spring far from
+/// its centre is an offset.
 static CONTAINS: [(&EffectKind, &EffectKind); 1] = [(&effects::return_spring::KIND, &effects::torque_offset::KIND)];
 
-/// Share of what an effect explains that the best start of one must explain that could take its place.
+/// The best start of a replacement must explain this share of what the effect to be replaced explains.
 const RIVALS: f64 = 0.1;
 
 impl Search<'_> {
@@ -40,10 +40,10 @@ impl Search<'_> {
         }
     }
 
-    /// Puts another effect in the place of one that explains less beside those that were added after it, or none in the place of one that explains
-    /// nothing beside them; whether there was one.
+    /// Tries each effect again beside those that were added after it. Replaces the first one that explains less than another effect would, or
+    /// removes it if it explains nothing. Returns whether there was one.
     ///
-    /// The first effect is the best one beside a model that lacks all others, which need not be one of those that are missing.
+    /// The first effect is the best one beside a model that lacks all others; it need not be one of those that are missing.
     pub(crate) fn replace_one(&self, found: &mut Found) -> bool {
         let last = found.named().clone();
         // The newest one has just been compared with all others.

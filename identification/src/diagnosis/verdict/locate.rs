@@ -12,7 +12,7 @@ use crate::uncertainty::statistics::{false_discovery_rate, mean_over_error, medi
 const BINS: usize = 24;
 /// Parts of the capture that are left out in turn when a map is tested …
 const FOLDS: usize = 12;
-/// … each one stretch, but over time so many, all over the capture: a bin must have rows in other parts.
+/// … each of one stretch; for a map over time, of this many spread over the capture, so that every bin has rows in other parts.
 const STRETCHES_IN_TIME: usize = 6;
 /// Lines on each side that tell how high a spectrum is where one line stands.
 const NEIGHBOURS: usize = 40;

@@ -106,8 +106,8 @@ impl Search<'_> {
     /// Whether something is missing, and whether all of it has a name.
     pub(crate) fn verdict(&self, found: &Found) -> Verdict {
         let (first, last) = (&found.base, found.named());
-        // Where nothing was found, one capture that is not explained is enough to say that something is left; where
-        // something was, either may contain what the other was too short to teach.
+        // If nothing was found, one unexplained capture is enough to say that something is left. If something was found, both must
+        // be unexplained, since either may contain what the other was too short to teach.
         let each = [last.heldout_over_floor(), last.train_over_floor()];
         let left = if found.steps.is_empty() { each[0].max(each[1]) } else { each[0].min(each[1]) };
         let unexplained = (last.excess().max(0.0) / first.excess_above_lower_floor(last).max(f64::MIN_POSITIVE)).sqrt();

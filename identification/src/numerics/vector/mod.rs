@@ -100,7 +100,7 @@ pub(crate) fn gram<C: Deref<Target = [f64]>>(columns: &[C]) -> DMatrix<f64> {
     gram
 }
 
-/// Target minus the columns' sum, and its inner product with every column, in one pass.
+/// Writes target − Σ coefficient · column to `residual` and returns its inner product with every column, in one pass.
 pub(crate) fn residual<C: Deref<Target = [f64]>>(
     columns: &[C],
     coefficients: &[f64],

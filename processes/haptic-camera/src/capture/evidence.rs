@@ -10,9 +10,9 @@ use crate::outcome::say;
 
 /// Diagnoses all captures so far, two at least; `before` is the diagnosis of all but the last.
 ///
-/// The second capture is held out; the first and the further ones are fitted together: what tells rivals apart then also
-/// tells their parameters, and the sweep goes on telling the rest. Effects that depend on the time of a capture do not
-/// go on over several: for these the last capture is held out instead.
+/// The second capture is held out; the first and all later ones are fitted together, so that the experiments which tell rivals
+/// apart also determine their parameters, and the sweep the others. An effect of the time since a capture began cannot be fitted
+/// across captures: where one is named or tied, the first capture alone is fitted and the last one is held out.
 pub(super) fn diagnosed(
     options: &CaptureOptions,
     mut fitted: Vec<&LoadedCapture>,

@@ -47,7 +47,7 @@ pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
     Ok(if found.amiss.is_empty() { Outcome::Done } else { Outcome::Failed })
 }
 
-/// Numbers of a rig that turns a knob which a slip of three places would make of usual ones: table and key, what is usual, and the unit.
+/// Usual ranges of a rotary rig's numbers, which a slip of three decimal places leaves: table and key, range, and unit.
 static USUAL: [(&str, &str, std::ops::RangeInclusive<f64>, &str); 4] = [
     ("limits", "motor_torque_mnm", 5.0..=2e4, "mNm"),
     ("limits", "speed_rad_s", 1.0..=1e3, "rad/s"),

@@ -106,7 +106,7 @@ fn of_smartknob(knob: &SmartKnob) -> WallKnob {
     }
 }
 
-/// The volts that a slow hand feels, as the curve of a sheet without figures.
+/// The motor's voltage against a slow turn there and back, as the curve of a data sheet without figures.
 fn volts(knob: &SmartKnob) -> Sheet {
     let ([first, step], [there, back]) = knob.slow_turn();
     let branch =

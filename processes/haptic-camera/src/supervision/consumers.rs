@@ -95,8 +95,8 @@ impl Consumers {
         }
     }
 
-    /// Waits for the recorder to close the archive, starting it again if it dies on the way while the `source` lives that
-    /// it must hear from; gives its exit code.
+    /// Waits for the recorder to close the archive; gives its exit code. A recorder that dies is started again while
+    /// `source_lives`: it must hear from the control loop.
     pub(crate) fn finish_recorder(
         &mut self,
         patience: Duration,
@@ -137,7 +137,7 @@ impl Consumers {
 }
 
 impl Consumer {
-    /// Starts its process off the control loop's core, where the end of its memory would be a tick's business too.
+    /// Starts its process off the control loop's core, where releasing the process's memory would take time from a tick.
     fn start(&mut self, words: &Words) -> anyhow::Result<()> {
         self.tried = Instant::now();
         self.child = None;

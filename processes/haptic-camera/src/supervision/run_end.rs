@@ -134,7 +134,7 @@ pub(crate) struct Archived {
     pub(crate) samples: u64,
     /// Samples that the archive itself knows to be missing …
     missing: u64,
-    /// … and where, as far as this was read.
+    /// … and where; empty if only the archive's overview was read.
     gaps: Vec<Gap>,
     /// How the rig kept up with the ticks.
     rig: RigAccount,

@@ -25,7 +25,7 @@ const GRIP: f64 = 6.0;
 const AMPLITUDE_RAD: f64 = 1.0;
 /// Highest frequency of the sweep, Hz, so that amplitude and speed go together.
 const SWEEP_HZ: f64 = 3.0;
-/// Share of the speed beyond which friction is no longer what the model says that the sweep reaches.
+/// Largest speed of the sweep, as a share of the speed above which rendered friction differs from the model's.
 const SPEED_SHARE: f64 = 0.9;
 /// Length of a sweep, s.
 const SWEEP_S: f64 = 10.0;

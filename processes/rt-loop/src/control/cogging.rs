@@ -4,9 +4,9 @@ use dynamics::{Calibration, CoggingHarmonic};
 
 /// Torque that makes the motor turn as if it had no cogging.
 ///
-/// A function of the angle alone, so that it acts at rest too. A command is held over a tick and reaches the shaft by the
-/// amplifier's delay later; the angle is taken where the rotor will be then. By what it was at the reading, at 10 kHz and 10 rad/s,
-/// a twentieth of 48 periods a turn would be left, and a part of that would drive.
+/// It depends on the angle alone, so that it acts at rest too. A command is held over a tick and reaches the shaft late by the
+/// amplifier's delay, so the torque is computed at the angle that the rotor will have by then. Computed at the reading's angle, it
+/// would leave a twentieth of a cogging of 48 periods a turn, at 10 kHz and 10 rad/s, and a part of that would drive the rotor.
 #[derive(Clone, Debug)]
 pub struct CoggingCompensation {
     harmonics: Box<[CoggingHarmonic]>,

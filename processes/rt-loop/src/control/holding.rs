@@ -40,7 +40,7 @@ impl Holding<'_> {
         self.calms(self.knob_inertia, rate_hz) && (self.gains.free_gripper || self.calms(heaviest, rate_hz))
     }
 
-    /// The slowest rate from which on it does at every rate up to `fastest_hz`, with the gains of each; `None` if there is none.
+    /// The slowest rate from which the servo is stable at every rate up to `fastest_hz`, with that rate's gains; `None` if there is none.
     #[must_use]
     pub fn slowest_stable_hz(&self, fastest_hz: f64, gains_at: impl Fn(f64) -> ServoGains) -> Option<f64> {
         let down = std::iter::successors(Some(fastest_hz), |rate_hz| Some(rate_hz - RATE_STEP_HZ));

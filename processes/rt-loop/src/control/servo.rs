@@ -86,9 +86,9 @@ const MOST_FILTERED_TICKS: u64 = 128;
 impl ServoGains {
     /// Gains for a rig at a rate: as stiff as its inertia and its delay permit.
     ///
-    /// With a damping D and an inertia J the loop's gain passes one at the angular frequency D/J, where the phase falls behind
-    /// by the delay times that. So gains go with the inertia; and where the delay is longer than the gains bear, all
-    /// frequencies come down by one factor: stiffness with its square, the integral with its cube.
+    /// With a damping D and an inertia J the loop's gain passes one at the angular frequency D/J, where the phase lag is D/J times
+    /// the delay. So gains are proportional to the inertia; where the delay is longer than they bear, all frequencies come down by
+    /// one factor: the stiffness by its square, the integral gain by its cube.
     #[must_use]
     pub fn for_rig(calibration: &Calibration, torque: TorqueSource, rate_hz: f64, torque_delay_ticks: f64) -> Self {
         let gains = Self::default();
@@ -104,7 +104,7 @@ impl ServoGains {
             derivative_mnm_s_rad: heavier * slower * gains.derivative_mnm_s_rad,
             integral_mnm_rad_s: heavier * slower.powi(3) * gains.integral_mnm_rad_s,
             load_edge_hz: slower * gains.load_edge_hz,
-            // Fed back, the motor's own torque would keep itself up.
+            // The motor's own torque, fed forward as a load, would sustain itself.
             load_share: if torque == TorqueSource::Motor { 0.0 } else { gains.load_share },
             speed_lag_s,
             ..gains
@@ -170,8 +170,8 @@ const LONGEST_SPEED_LAG_S: f64 = 5e-3;
 
 /// Frequency of the notch, Hz.
 ///
-/// Whatever the knob, the shaft resonates at √(k/J) of the motor's side or above; without one, where rotor and
-/// gripper swing against each other, unless that is beyond what the rate can hold.
+/// With any knob the shaft resonates at or above √(k/J), J being the inertia on the motor's side: there the notch is. Without a knob
+/// it is where rotor and gripper swing against each other, unless the rate is too low for that frequency.
 fn notch_hz(calibration: &Calibration, free_gripper: bool, rate_hz: f64) -> f64 {
     let of = |inverse_inertia: f64| {
         (calibration.torque_sensor_stiffness_mnm_rad * inverse_inertia).sqrt() / std::f64::consts::TAU
@@ -253,11 +253,11 @@ impl Servo {
     }
 }
 
-/// What a filter gives at the end of the straight line from one input to the next, so many ticks later.
+/// Runs a filter once for each elapsed tick, on inputs interpolated linearly between the last one and the new one; gives its output.
 ///
-/// Run only in the ticks that are served, its frequencies fall with their rate and the resonance rings: where a host missed every
-/// other tick at 5 kHz, the simulated rig with knob 3 reached the sensor's limit within 20 ms. So it bears seven of eight missed at
-/// 5 and 10 kHz, and five of six at 20 kHz.
+/// If a filter ran only in the ticks that are served, its frequencies would fall with their rate and the resonance would ring: where
+/// a host missed every other tick at 5 kHz, the simulated rig with knob 3 reached the sensor's limit within 20 ms. Run for each
+/// tick, the servo bears seven of eight ticks missed at 5 and 10 kHz, and five of six at 20 kHz.
 fn across_ticks(elapsed_ticks: u64, from: f64, to: f64, mut run: impl FnMut(f64) -> f64) -> f64 {
     let ticks = elapsed_ticks.min(MOST_FILTERED_TICKS);
     for tick in 1..ticks {

@@ -296,9 +296,9 @@ impl ControlState {
         StepOutput { torque_mnm: clipped, sample: Some(sample) }
     }
 
-    /// Goes on from where the knob is after a stall, and returns from there little by little: what it was to do meanwhile is past, and
-    /// to make up for it at once would take more than the limits allow. What the motor gave it meanwhile is not known either, so
-    /// that nothing can be said to run away.
+    /// Continues after a stall from where the knob is, and returns from there little by little: making up for the missed motion at
+    /// once would take more than the limits allow. The motor's work during the stall is not known either, so that no runaway is
+    /// reported after it.
     fn resume_at(&mut self, angle_rad: f64) {
         self.centre_rad = angle_rad - self.plan.excitation.at(self.seconds(self.tick)).value;
         self.work = f64::INFINITY;
@@ -351,8 +351,8 @@ impl ControlState {
         self.cogging.torque_mnm(measurement.angle_rad, self.tracked.difference_rad_s())
     }
 
-    /// The limit that the measurement exceeds. One of an earlier tick was judged in that tick: the command has moved on since, and
-    /// how long nothing new may come is limited by itself.
+    /// The limit that the measurement exceeds. A measurement of an earlier tick was judged in that tick: the command has moved on
+    /// since, and the number of ticks without new data has a limit of its own.
     fn exceeded(&self, measurement: &Measurement, commanded_angle_rad: f64) -> Option<Fault> {
         if self.tracked.is_stale() {
             return None;
@@ -379,8 +379,8 @@ impl ControlState {
         self.renderer.is_none() && self.plan.excitation.drive == Drive::Position
     }
 
-    /// Whether the knob goes where the motor does not push it: a knob gives back what it was given and no more, so that the motor
-    /// can only have braked one that something else turns, or counts the wrong way round.
+    /// Whether the fault is a runaway: the motor's work on the knob is negative. A knob gives back no more energy than it received,
+    /// so that something else turns it against the motor, or the motor or the encoder has the wrong sign.
     fn has_run_away(&self, fault: Fault) -> bool {
         self.holds() && fault != Fault::Torque && self.work < 0.0
     }

@@ -6,7 +6,7 @@ use shared_types::Fault;
 use super::lowpass::ButterworthLowPass;
 use super::step::ControlPlan;
 
-/// Jump forward of a rig's own clock against the ticks that no stall of a host makes, s; one that does not rise brings nothing new.
+/// Forward jump of a rig's own clock against the ticks that no stall of a host explains, s. If the clock stands still, nothing is new.
 const CLOCK_JUMP_S: f64 = 0.5;
 /// Times the rig's largest speed at which no knob turns between two readings.
 const JUMP_SPEEDS: f64 = 10.0;
@@ -14,8 +14,8 @@ const JUMP_SPEEDS: f64 = 10.0;
 const VELOCITY_EDGE_HZ: f64 = 500.0;
 /// Its edge at most, as a share of the rate.
 const VELOCITY_EDGE_SHARE: f64 = 0.25;
-/// Time over which the speed is taken that the rig's limit holds for, s: so long that neither an encoder's step nor an angle that
-/// was read a fraction of a tick late looks like a run-away, and so short that none gets far.
+/// Time over which the speed is averaged for the rig's speed limit, s: so long that neither an encoder's step nor an angle that
+/// was read a fraction of a tick late looks like a runaway, and so short that no runaway gets far.
 const LIMITED_SPEED_OVER_S: f64 = 2e-3;
 
 /// The newest measurement, and the motion that measurements make.

@@ -110,7 +110,7 @@ impl CallWatched {
         self.0.tick.store(number, Ordering::Release);
     }
 
-    /// From now on they are not.
+    /// From now on the thread's calls are not counted.
     pub fn end(&self) {
         self.0.counting.store(false, Ordering::Release);
     }

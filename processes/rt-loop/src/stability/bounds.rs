@@ -90,7 +90,7 @@ impl Bounds {
         Self { port: self.port.delayed(by_s), ..self }
     }
 
-    /// Whether no hand of the class makes a body swing that sticks, or the least there is.
+    /// Whether no hand of the class can make a sticking body swing, nor a body of the least inertia.
     #[must_use]
     pub fn holds_rest(&self) -> bool {
         let least = LinearModel::Sliding { inertia: self.least_inertia, damping: 0.0, stiffness_mnm_rad: 0.0 };
@@ -155,7 +155,7 @@ impl Bounds {
                 Err(BoundExceeded { what, value, bound, unit, remedy: remedy.to_owned() })
             }
         };
-        // The inertias are walked through from the least on, so with no more damping than that one permits.
+        // `largest_inertia` tries inertias from the least one on, so its damping must be one that the least inertia permits.
         let damping = demands.least_damping.min(self.largest_damping(self.least_inertia));
         at_most(Bounded::Inertia, inertia, self.largest_inertia(damping), "mNm·s²/rad", "lower `inertia`")?;
         let of_speed = || format!("lower `{}`", steepest_over_speed(model).unwrap_or("viscous_positive"));

@@ -110,7 +110,7 @@ impl Port {
         // Angle of the body per its velocity: the trapezium that the body is integrated with.
         let angle_per_velocity = 0.5 * step_s * (z + 1.0) / (z - 1.0);
         let of_body = notch * (stiffness_mnm_rad * angle_per_velocity + damping);
-        // The share of the way from body to rotor that torques of the angle are taken further, and the rotor's part of it per angle.
+        // Share of the angle from body to rotor by which torques of the angle are taken further on; the resulting torque per rotor angle.
         let taken_in = taken_in(place_edge_hz, step_s);
         let further = taken_in / (1.0 - (1.0 - taken_in) / z);
         let of_place = match *model {
@@ -187,11 +187,11 @@ impl Port {
         })
     }
 
-    /// The frequencies that are looked at, Hz: in steps of 3 % up to half the rate, and of 0.5 % where rotor and gripper swing
-    /// against each other, beyond half the rate too.
+    /// The frequencies to check, Hz: in steps of 3 % up to half the rate, and of 0.5 % around the resonance of rotor and gripper,
+    /// beyond half the rate too.
     ///
-    /// A resonance beyond half the rate is read, and fed back, as it is below: the loop's filters are periodic, and the hold
-    /// lets a share through. Next to that resonance the other frequencies that are read as the same one do not count.
+    /// A resonance beyond half the rate is sampled and fed back like one below it: the loop's filters are periodic in frequency, and
+    /// the hold lets a share through. Beside that resonance the other frequencies with the same alias are negligible.
     fn frequencies_hz(&self) -> impl Iterator<Item = f64> {
         let resonance_hz = |inverse_inertia: f64| {
             let hz = (self.stiffness_mnm_rad * inverse_inertia).sqrt() / std::f64::consts::TAU;

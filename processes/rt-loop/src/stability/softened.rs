@@ -24,12 +24,12 @@ const SOFTEST: f64 = 0.1;
 /// Rate whose gains are the softest that are tried, Hz: the slowest at which anything is captured.
 const SOFTEST_RATE_HZ: f64 = 500.0;
 
-/// The firmest gains of a rig at a rate under which no hand makes swing what sticks, nor rotor and gripper alone, where a torque is
-/// `later_s` late; `None` where even the softest do not hold.
+/// The firmest gains of a rig at a rate under which no hand can make a sticking knob swing, nor rotor and gripper alone, where a
+/// torque is `later_s` late; `None` where even the softest gains do not hold.
 ///
-/// The torque sensor is a spring that hardly damps. Rotor and gripper swing over it at a frequency that a heavy hand lowers, and there
-/// the coupling must not drive them. A delay turns damping into its opposite at some frequencies and not at those above, and the delay
-/// goes with the rate: so a rate may need softer gains than one below it.
+/// The torque sensor is a spring that hardly damps. Rotor and gripper resonate over it at a frequency that a heavy hand lowers, and the
+/// coupling must not drive them there. A delay makes damping negative at some frequencies and not at those above, and the delay depends
+/// on the rate: so a rate may need softer gains than a lower rate.
 #[must_use]
 pub fn gains_for(calibration: &Calibration, limits: &Limits, rate_hz: f64, later_s: f64) -> Option<Firmness> {
     let [usual, softest] = [rate_hz, SOFTEST_RATE_HZ].map(RenderGains::at_rate);

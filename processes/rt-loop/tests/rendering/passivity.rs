@@ -12,7 +12,7 @@ use crate::random_knob::{random_hand, random_knob, random_two_bodies};
 /// How a knob behaved in a hand that moves about for a second and then keeps still.
 #[derive(Debug)]
 pub struct Behaviour {
-    /// Least of what the hand put in and springs do not hold, mNm·rad: below zero, energy came out.
+    /// Minimum over time of the hand's work less the energy held by springs, mNm·rad; negative if energy came out.
     pub least_energy: f64,
     /// Energy of knob, springs and grip soon after the hand kept still, and at the end, mNm·rad.
     pub swings: [f64; 2],

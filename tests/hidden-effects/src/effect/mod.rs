@@ -113,8 +113,8 @@ const LOOK_ALIKES: [(&str, &str); 14] = [
     ("velocity-strengthening", "presliding-hysteresis"),
 ];
 
-/// Pairs of which the plant has one at a time: one shape of the detents, one inertia behind a coupling; and whether a drag is part of the load
-/// is a matter of where it acts.
+/// Pairs that the plant cannot have at once: its detents have one shape, and the inertia behind a coupling is constant. Whether a drag is part
+/// of the load depends on where the drag acts.
 const EXCLUSIVE: [(&str, &str); 5] = [
     ("load-dependent-friction", "quadratic-drag"),
     ("load-dependent-friction", "eddy-current-damping"),

@@ -55,7 +55,7 @@ pub(super) fn section(page: &RenderingPage<'_>) -> Markup {
 
 /// The rows of the capture with the intended model in place of the fitted one.
 ///
-/// Both torques without what the intended inertia asks for. A row is a mean over samples: its captured torque is the fitted model's in the row's motion and what the fit left there.
+/// Both torques are without that of the intended inertia. The captured torque of a row, a mean over samples, is the fitted model's plus the residual.
 fn points(page: &RenderingPage<'_>) -> Vec<Point> {
     let fitted = page.fit.model(&page.intended.name);
     finite_points(page.fit)

@@ -92,9 +92,9 @@ impl Pages {
         status.to_string()
     }
 
-    /// What `instance=I&from=N` or `instance=I&from=N&to=M` asks for: a line of JSON that says what is in the rerun file after
-    /// it. Numbers of another process mean nothing here: who has them is given all that is new, and nothing of that process's
-    /// past.
+    /// The answer to `instance=I&from=N` or `instance=I&from=N&to=M`: a line of JSON on the contents of a rerun file, then that file.
+    /// Frame numbers of another process mean nothing here: a page that has them gets everything that is new, but nothing for a
+    /// request with `to`, which asks for that process's past.
     fn drawn(&self, query: &str) -> anyhow::Result<Vec<u8>> {
         let value = |name: &str| query.split('&').find_map(|pair| pair.strip_prefix(name)?.strip_prefix('='));
         let number = |name: &str| value(name).and_then(|number| number.parse().ok());

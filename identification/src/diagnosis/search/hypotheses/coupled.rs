@@ -64,7 +64,7 @@ pub(crate) fn fitted<'a>(
         if is_closed(&alone) {
             return Some(alone);
         }
-        // Near the floor one between two inertias pays for itself by the noise that it keeps from the inner one.
+        // Near the floor, a shaft between two inertias would gain evidence just by keeping noise from the inner inertia.
         let present = Judged::nonlinear(&Nonlinear::new(base.clone(), train), train, heldout);
         if present.most_over_floor() < OPEN {
             return Some(alone);
@@ -152,7 +152,7 @@ fn shaft(starts: &[Effect], base: &Structure, [train, heldout]: [&Capture; 2]) -
         Judged::nonlinear(&fit, train, heldout)
     };
     let has_outer = behind.effects.last().is_some_and(|shaft| !shaft.is_absent(shaft_compliance::OUTER_SHARE));
-    // Noise of a torque that twists a shaft pays for a sharp resonance between two inertias: a simulation alone shows one.
+    // Between two inertias, a twist computed from a noisy torque favours a sharp resonance: there only simulations are compared.
     let behind = (!has_outer).then(|| refined(behind));
     if behind.as_ref().is_some_and(is_closed) {
         return behind;

@@ -41,7 +41,7 @@ pub(crate) fn fitted<'a>(
     let mut starts: Vec<(f64, Effect)> = starts.collect();
     starts.sort_by(|a, b| b.0.total_cmp(&a.0));
     starts.truncate(REFINED);
-    // One start only, or one that acts on what was before, says little of what it leads to.
+    // The gain of a start says little about the refined fit if it is the only start, or if the effect has a memory.
     if coarse.is_some() && starts.first().is_some_and(|(gain, _)| *gain < promising * base.squares_above_floor()) {
         let (_, start) = starts.swap_remove(0);
         return Some(Judged::separable(&base.with(start, kind.columns_of_a_line()), heldout));

@@ -83,7 +83,7 @@ impl RenderGains {
         }
     }
 
-    /// The same with all frequencies of the coupling so many times as high.
+    /// These gains with all frequencies of the coupling multiplied by `times`.
     #[must_use]
     pub fn slower(self, times: f64) -> Self {
         Self {
@@ -105,6 +105,6 @@ impl RenderGains {
     }
 }
 
-/// What the guard lets out, mNm·rad: what the coupling's spring holds at 120 mNm, more than noise and steps of the sensors
-/// make of it.
+/// Energy that the guard lets out, mNm·rad: as much as the coupling's spring stores at 120 mNm, and more than noise and steps of
+/// the sensors add to the energy balance.
 const SLACK: f64 = 1.0;

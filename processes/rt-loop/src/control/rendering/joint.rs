@@ -38,8 +38,8 @@ pub(super) enum Touch {
     },
 }
 
-/// A torque that passes between the bodies over a tick: its value if neither moves at the end, mNm, and what it is more for
-/// each rad/s by which the cap is then faster, mNm·s/rad.
+/// Torque between the bodies over a tick: its value if neither moves at the end of the tick, mNm, and its increase for each rad/s
+/// by which the cap is then faster, mNm·s/rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Passed {
     pub(super) torque_mnm: f64,
@@ -93,8 +93,8 @@ impl Joint {
         Touch::Touching { slack_rad: self.half_gap_rad.copysign(ahead_rad), moment }
     }
 
-    /// How the bodies ought to have been taken over a tick, where it turned out otherwise: `torque_mnm` passed, and the cap was
-    /// ahead by these angles at its start and its end.
+    /// The contact state with which to solve the tick again, where `touch` proved wrong. `torque_mnm` passed between the bodies;
+    /// the cap was ahead by these angles at the start and the end of the tick.
     pub(super) fn otherwise(&self, touch: Touch, torque_mnm: f64, [start_rad, end_rad]: [f64; 2]) -> Option<Touch> {
         if self.half_gap_rad == 0.0 {
             return None;

@@ -5,9 +5,9 @@
 ///
 /// A command is constant over a tick, so that torque times the way gone until the next reading is exact (J.-H. Ryu, Y. S. Kim
 /// and B. Hannaford, *Sampled- and continuous-time passivity and stability of virtual environments*, IEEE Trans. Robotics
-/// 20, 2004). From what the rotor puts in is taken off what the model itself keeps or gives: the virtual knob's kinetic
-/// energy, what a contact or shaft in it holds, and the work of its detents and springs. The rest can only be dissipated; where it becomes negative the loop
-/// made energy, and the rotor is damped until it is gone.
+/// 20, 2004). The energy that the model itself keeps or gives is subtracted from the rotor's input: the virtual knob's kinetic
+/// energy, the energy stored in a contact or shaft in it, and the work of its detents and springs. The rest should be dissipated;
+/// where it becomes negative the loop made energy, and the rotor is damped until that energy is gone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PassivityObserver {
     /// Energy put in that was neither kept by the model nor given out again, mNm·rad.

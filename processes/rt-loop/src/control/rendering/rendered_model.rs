@@ -126,8 +126,8 @@ impl RenderedModel {
 /// Share by which rounding may take an inertia below the least, where a share of one was made to fit.
 const ROUNDING: f64 = 1e-9;
 
-/// Inertia of the body in front of a gap or a shaft. Of a shaft rotor and gripper, the `least`, are in front whatever the model has there: they
-/// count as part of the knob's inertia.
+/// Inertia of the body in front of a gap or a shaft. In front of a shaft it is at least `least`, the inertia of rotor and gripper,
+/// which counts as part of the knob's inertia.
 pub(crate) fn cap_inertia(coupling: &Coupling, inertia: f64, least: f64) -> f64 {
     let [own, _] = coupling.inertias(inertia);
     if coupling.half_gap_rad == 0.0 { own.max(least) } else { own }
@@ -198,9 +198,9 @@ impl Forces<'_> {
 
     /// Friction and drag while sliding in `direction`, mNm, with their sign.
     ///
-    /// The motor's viscous friction does a part of it. A fitted law may have a negative viscous coefficient and drive beyond some
-    /// speed; rendered friction never drives, so that the motor's is all that a model without friction has: it is what damps its
-    /// detents, whose delay gives out energy at every swing (the b of Colgate and Schenkel's b > K·T/2).
+    /// The motor's viscous friction is subtracted, since it is felt anyway. A fitted law with a negative viscous coefficient drives
+    /// beyond some speed; rendered friction never drives. A model without friction still has the motor's, which damps its detents:
+    /// their delay gives out energy at every swing (the b of Colgate and Schenkel's b > K·T/2).
     pub(super) fn friction_mnm(&self, motion: &Motion, direction: Direction) -> f64 {
         let sign = direction.sign();
         self.mixed(|rendered| {

@@ -120,8 +120,8 @@ impl Renderer {
         self.fade.retired()
     }
 
-    /// After a stall a body that slides goes on with the rotor, which nobody held meanwhile: the coupling would make up for
-    /// the whole way at once. One that sticks stays where it is.
+    /// After a stall, during which nothing held the rotor, moves a sliding body on with it: otherwise the coupling would make
+    /// up for the whole way at once. A sticking body stays where it is.
     fn catch_up(&mut self, elapsed_ticks: u64, velocity_rad_s: f64, step_s: f64) {
         if elapsed_ticks > 1 {
             self.knob.carry_on(velocity_rad_s * step_s * (elapsed_ticks - 1) as f64);

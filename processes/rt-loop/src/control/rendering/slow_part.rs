@@ -4,8 +4,8 @@ use biquad::Coefficients;
 
 /// The slow part of a torque: (2·ζ·x + 1)/(x² + 2·ζ·x + 1) of x = s/(2π·edge), by the bilinear transform.
 ///
-/// What it leaves out begins with the second power of the frequency: a delay of what it passes, however small, would be felt as
-/// negative damping that grows with inertia.
+/// The part that it leaves out begins with the second power of the frequency, so that slow torques pass without delay: any delay,
+/// however small, would be felt as negative damping that grows with inertia.
 pub(crate) fn slow_part(edge_hz: f64, damping_ratio: f64, rate_hz: f64) -> Option<Coefficients<f64>> {
     if !(edge_hz > 0.0 && edge_hz < 0.5 * rate_hz) {
         return None;

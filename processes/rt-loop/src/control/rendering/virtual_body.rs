@@ -22,7 +22,7 @@ pub(super) struct Load {
     pub(super) inertia: f64,
     /// Torque on it if it is at rest at the end of the tick, mNm.
     pub(super) torque_mnm: f64,
-    /// What the torque is less for each rad/s that it then has, mNm·s/rad.
+    /// Decrease of that torque for each rad/s of the body's velocity at the end of the tick, mNm·s/rad.
     pub(super) yielding: f64,
 }
 

@@ -72,7 +72,7 @@ impl VirtualKnob {
 
     /// One tick from `time_s` on under `drive_mnm` on the cap; gives the work against detents and springs, mNm·rad.
     ///
-    /// Of a knob of one body those act at the angle that is `given_way_rad` further; what is behind a joint is nowhere near the rotor.
+    /// In a knob of one body detents and springs act `given_way_rad` further on, where the rotor is; behind a joint they do not.
     pub(super) fn advance(
         &mut self,
         forces: &Forces<'_>,
