@@ -39,7 +39,7 @@ pub fn fit_with(loaded: &LoadedCapture, options: &FitOptions) -> Result<Fit, Ana
         .map_err(|reason| AnalysisError::Fit { capture: loaded.capture.source.clone(), reason })
 }
 
-/// The fit of a capture, or the mean of those of several of one control; `None` of none.
+/// The fit of a capture, or the mean of the fits of several captures of one control; `None` without captures.
 ///
 /// # Errors
 /// [`AnalysisError::Fit`], with the reason in one sentence.

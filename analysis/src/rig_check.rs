@@ -6,7 +6,7 @@ use serde::Serialize;
 /// Share of the ticks that may be missed or stale before the rate counts as not held.
 const MISSED_SHARE: f64 = 0.01;
 
-/// Share of a period from which on the exchange with the rig is what misses ticks.
+/// Share of a period above which the mean exchange with the rig counts as the cause of missed ticks.
 const SLOW_SHARE: f64 = 0.5;
 
 /// What a channel read while nothing moved it.

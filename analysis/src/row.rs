@@ -31,7 +31,7 @@ pub struct Row(Vec<(String, Cell)>);
 impl Row {
     /// Reads and fits a capture, and judges it where there is a specification.
     ///
-    /// Where neither a fit nor a sheet can be had the column `error` says why; where the sheet alone cannot, `sheet_error` does.
+    /// If there is neither a fit nor a sheet, the column `error` says why; if there is no sheet, the column `sheet_error` says why.
     #[must_use]
     pub fn of(path: &Path, specification: Option<&Specification>) -> Self {
         let loaded = LoadedCapture::load(path);

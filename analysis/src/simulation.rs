@@ -24,7 +24,7 @@ pub enum Drive {
 pub struct Simulation {
     /// The simulated capture, of the same length and rate.
     pub capture: Capture,
-    /// What was simulated less what was captured, RMS: torque along the motion, mNm; angle under the torque, rad.
+    /// RMS of simulated minus captured torque along the motion, mNm, or of simulated minus captured angle under the torque, rad.
     pub rms_difference: f64,
     /// RMS of what was captured, likewise.
     pub captured_rms: f64,

@@ -55,7 +55,7 @@ impl Drop for Claim {
     }
 }
 
-/// Lets go of the name of an archive that is there, or will never be.
+/// Releases the claim on the name of an archive that exists, or that will never be written.
 pub fn release(archive: &Path) {
     // Where it was never held there is nothing to remove.
     let _ = std::fs::remove_file(holder(archive));

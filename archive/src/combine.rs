@@ -177,7 +177,7 @@ impl<W: Write + Seek> Combiner<W> {
             Item::Attachment { name, media_type, log_time, content } => {
                 self.attachment(name, &media_type, log_time, content)
             }
-            // A record without checksum is second to what the checked description says.
+            // The run's description is used instead: it has a checksum, and this record has none.
             Item::Metadata(metadata) if self.run.is_some() && metadata.name == CAPTURE_METADATA => Ok(()),
             Item::Metadata(metadata) if metadata.name == GAPS_METADATA => {
                 let gaps = metadata.metadata.get("gaps").and_then(|text| serde_json::from_str::<Vec<Gap>>(text).ok());

@@ -29,17 +29,17 @@ pub(crate) fn load(path: &Path) -> Result<Capture, ArchiveError> {
     Ok(capture)
 }
 
-/// Rate and ticks as the times of the rows tell them.
+/// Sets rate, `seq` and ticks from the times of the rows.
 pub(crate) fn count(capture: &mut Capture) {
     capture.rate_hz = rate_hz(&capture.t_s);
     capture.seq = (0..capture.t_s.len() as u64).collect();
     capture.tick = ticks(&capture.t_s, capture.rate_hz);
 }
 
-/// Bytes among which the names of all columns are.
+/// Bytes at the beginning of a table that hold the names of all columns.
 const HEADER: usize = 4096;
 
-/// The axis on which a line names every column that a capture must have; `None` where none does.
+/// The axis whose names of all required columns stand in one line; `None` if there is no such line.
 pub(crate) fn axis_of(path: &Path) -> Result<Option<Axis>, ArchiveError> {
     let head = first_bytes(path, HEADER)?;
     let has_all = |axis: &Axis| {

@@ -1,8 +1,8 @@
 //! One archive from the parts that a recorder leaves when it is killed and restarted.
 //!
-//! A restarted recorder receives the last seconds again, so parts overlap: samples are taken in
-//! the order of `seq`, each from the first part that has it under a checksum, or else at all. Parts
-//! may be cut off anywhere.
+//! A restarted recorder receives the last seconds again, so parts overlap. Samples are taken in the
+//! order of `seq`, each from the first part that has it under a checksum, or from the first part that
+//! has it without one if no part has it under a checksum. Parts may be cut off anywhere.
 
 use std::fs::File;
 use std::io::{Seek, Write};

@@ -16,7 +16,7 @@ use crate::parse::{Stretch, parse_record, shape};
 
 /// The longest record that is taken seriously, bytes.
 pub(crate) const MAX_RECORD_BYTES: usize = 256 * 1024 * 1024;
-/// Bytes that content may unpack to wherever it lies, beyond what [`UNPACKED_SHARE`] grants.
+/// Bytes that content at any position may unpack to, in addition to those that [`UNPACKED_SHARE`] permits.
 const UNPACKED_ALWAYS: u64 = 64 << 20;
 /// Bytes that each byte of a file may unpack to. Samples of a sensor with noise unpack to three, those of a knob at rest to ten.
 const UNPACKED_SHARE: u64 = 16;

@@ -11,7 +11,7 @@ use nix::unistd::geteuid;
 use crate::error::ArchiveError;
 use crate::own_file;
 
-/// What an output may take the place of. An empty file of the user's own it always may.
+/// What an output may replace. It may always replace an empty file of the user's own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Replace {
     /// Nothing.
@@ -22,7 +22,7 @@ pub enum Replace {
     Anything,
 }
 
-/// What may lead to a file and is none.
+/// Paths that may lead to a file but are written to as streams.
 const STANDARD_OUTPUT: &str = "/dev/stdout";
 const STANDARD_ERROR: &str = "/dev/stderr";
 
@@ -69,7 +69,7 @@ pub fn write_whole<Written>(
     Ok(written)
 }
 
-/// [`write_whole`] for what is at hand.
+/// [`write_whole`] for content that is in memory.
 ///
 /// # Errors
 /// As [`write_whole`].

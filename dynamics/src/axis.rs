@@ -130,7 +130,7 @@ impl Quantity {
         self.units()[0].0
     }
 
-    /// Every unit that is understood, the instrument's first, each with its size in that one.
+    /// Every unit that is understood, the instrument's own first, each with its factor to the instrument's unit.
     #[must_use]
     pub fn units(self) -> &'static [(&'static str, f64)] {
         const GRAM_FORCE_N: f64 = STANDARD_GRAVITY * 1e-3;
@@ -173,8 +173,8 @@ impl Quantity {
         }
     }
 
-    /// The size of a unit in the instrument's, however its product is written: Nm, N m, N·m, N*m or N-m; `None` for a unit that is not
-    /// one of this quantity.
+    /// The factor from `unit` to the instrument's unit, however a product is written: Nm, N m, N·m, N*m or N-m; `None` for a unit of
+    /// another quantity.
     ///
     /// ```
     /// use dynamics::Quantity;

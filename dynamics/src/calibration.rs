@@ -45,8 +45,8 @@ pub struct Calibration {
     /// Viscous friction of the motor, mNm·s/rad; `None` where it was never measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motor_viscous: Option<f64>,
-    /// Delay of the motor's torque behind its command, the holding of a command over a tick apart, s: 1/(2π·bandwidth) of the
-    /// amplifier's current loop; `None` where it is not known.
+    /// Delay of the motor's torque behind its command, s: 1/(2π·bandwidth) of the amplifier's current loop. The holding of a command
+    /// over a tick does not count. `None` where the delay is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command_delay_s: Option<f64>,
     /// Cogging of the motor, strongest harmonic first, none where it has none; `None` where it was never measured.
@@ -56,7 +56,7 @@ pub struct Calibration {
 
 /// One harmonic of a motor's cogging: at an encoder angle the rotor is held back by torque · sin(per_turn · angle + phase).
 ///
-/// The angle is the encoder's: without an index that it finds again after it was switched off, a cogging map is lost.
+/// The angle is the encoder's: an encoder without an index loses its zero when it is switched off, and with it the cogging map.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CoggingHarmonic {

@@ -14,7 +14,7 @@ pub struct Effect {
     origin: Option<&'static str>,
 }
 
-/// Equal in what they do, wherever they come from.
+/// Compares kind, values and table; the note on the origin does not count.
 impl PartialEq for Effect {
     fn eq(&self, other: &Self) -> bool {
         self.kind.name == other.kind.name && self.values() == other.values() && self.table == other.table

@@ -211,7 +211,7 @@ pub struct StickLimits {
 pub enum Part {
     /// Adds to the mass matrix; gives the inertia, mNm·s²/rad.
     Inertia(fn(&[f64]) -> f64),
-    /// Adds to the inertia what depends on the angle; gives that, mNm·s²/rad, and its slope, mNm·s²/rad².
+    /// Adds an inertia that depends on the angle; gives this inertia, mNm·s²/rad, and its slope, mNm·s²/rad².
     VaryingInertia(fn(&[f64], f64) -> [f64; 2]),
     /// A torque that depends on angle, velocity and time but not on the direction of sliding, mNm.
     Torque(fn(&[f64], &Motion) -> f64),
@@ -221,7 +221,7 @@ pub enum Part {
     FrictionTable(TableUse),
     /// The torque of friction while sliding in the given direction, mNm: positive when sliding positively.
     Friction(fn(&[f64], &Motion, Direction) -> f64),
-    /// Friction over the load: what inertia, detents and springs take.
+    /// Ratio of friction to load, the load being the torque of inertia, detents and springs.
     LoadFriction(fn(&[f64]) -> f64),
     /// What holds the knob at rest.
     Stick(fn(&[f64]) -> StickLimits),
@@ -283,7 +283,7 @@ pub struct Regressors {
 }
 
 impl Regressors {
-    /// Of an effect whose only parameter is the scale of its table.
+    /// The regressors of an effect whose only parameter is the scale of its table.
     pub(crate) const OF_TABLE: Self = Self {
         columns: 1,
         searched: &[],

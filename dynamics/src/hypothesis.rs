@@ -72,7 +72,7 @@ pub struct Hypothesis {
 }
 
 impl Hypothesis {
-    /// Of an effect that is linear in its parameters, comes as a whole, once, on any axis and with the knob.
+    /// The hypothesis of an effect that is linear in its parameters, occurs once and as a whole, on any axis, and belongs to the knob.
     pub const PLAIN: Self = Self { searched: &[], nested: &[], lines: 1, least_turn_rad: None, per_capture: false };
 }
 
@@ -104,7 +104,7 @@ pub enum RangeEnd {
 }
 
 impl Search {
-    /// Of values at equal distances, free of other effects' and in a range that is still to be given.
+    /// A search at equal distances for a parameter that is not tied to another effect; its range is still to be given.
     pub const PLAIN: Self =
         Self { parameter: 0, range: |_| None, starts: |_| 1, logarithmic: false, straight_end: None, same_as: None };
 

@@ -51,7 +51,7 @@ struct Held {
     inertia: f64,
     /// Torque of detents, springs and whatever else depends on the angle, mNm.
     free_mnm: f64,
-    /// The part of it that friction grows with, mNm.
+    /// The part of `free_mnm` that counts as load for friction, mNm; zero if no friction depends on the load.
     place_mnm: f64,
     limits: StickLimits,
     /// Friction at the lowest speed in either direction, mNm.
@@ -154,15 +154,15 @@ impl<'model> InnerBody<'model> {
 
     /// Moves on to the next sample, the cap going there evenly accelerated.
     ///
-    /// Detents, springs and levels of friction are taken where the body will be half a sample on, and held meanwhile:
-    /// they change over angles and times that are long beside a sample, contact and sticking do not.
+    /// Detents, springs and levels of friction are taken at the angle expected half a sample later and held over the sample: unlike
+    /// contact and sticking, they change slowly compared with a sample.
     pub fn advance(&mut self, from: &Motion, to: &Motion) {
         Self::advance_together(std::array::from_mut(self), from, to);
     }
 
     /// Moves several bodies on under one motion of their caps.
     ///
-    /// A substep waits for the one before; those of other bodies do not, and fill the time.
+    /// A substep depends on the one before it but not on those of other bodies, so that the processor overlaps the bodies' substeps.
     pub(crate) fn advance_together<const BODIES: usize>(bodies: &mut [Self; BODIES], from: &Motion, to: &Motion) {
         let sample_s = to.time_s - from.time_s;
         let held = bodies.each_ref().map(|body| body.held(sample_s, from, to));

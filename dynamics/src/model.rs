@@ -84,9 +84,9 @@ impl Model {
             .sum()
     }
 
-    /// The model without so much inertia (mNm·s²/rad) of its cap: the knob alone, of a knob with the gripper that holds it.
+    /// This model with `inertia`, mNm·s²/rad, taken off its cap: the knob alone, if this is the model of a knob with its gripper.
     ///
-    /// The same inner body is then a larger share of what is left.
+    /// The inner body stays the same, so that its share of the remaining inertia is larger.
     #[must_use]
     pub fn without_cap_inertia(&self, inertia: f64) -> Self {
         let left = (self.inertia() - inertia).max(0.0);
@@ -197,7 +197,7 @@ impl FrictionChange {
         Self { of_all, of_coulomb, of_load_mnm }
     }
 
-    /// Friction while sliding in `direction` from the effects' own, mNm, and from that at rest.
+    /// The changed friction while sliding in `direction`, mNm, from the unchanged friction and its Coulomb part.
     pub(crate) fn applied_mnm(self, sliding_mnm: f64, coulomb_mnm: impl FnOnce() -> f64, direction: Direction) -> f64 {
         let friction_mnm = (1.0 + self.of_all) * sliding_mnm + direction.sign() * self.of_load_mnm;
         if self.of_coulomb == 0.0 { friction_mnm } else { friction_mnm + self.of_coulomb * coulomb_mnm() }

@@ -79,7 +79,7 @@ impl Model {
         motions.iter().map(|motion| reader.read_mnm(motion)).collect()
     }
 
-    /// [`Model::readings_mnm`] of several models that follow a measurement, sooner than of one after the other if they have an inner body.
+    /// [`Model::readings_mnm`] of several models for one measured motion; faster than one model after the other if they have an inner body.
     ///
     /// The first measured reading, `first_mnm`, shows how far a shaft was twisted then.
     #[must_use]

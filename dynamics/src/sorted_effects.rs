@@ -3,7 +3,7 @@
 use crate::model::FrictionChange;
 use crate::{Coordinate, Direction, Effect, Model, Motion, Part};
 
-/// A model's effects, those apart that act on its inner body.
+/// The effects of a model that act on its inner body, grouped by what they do.
 #[derive(Debug)]
 pub(crate) struct SortedEffects<'model> {
     model: &'model Model,
@@ -73,7 +73,7 @@ impl<'model> SortedEffects<'model> {
         if self.load_friction == 0.0 { 0.0 } else { self.model.place_torque_mnm(motion) }
     }
 
-    /// As [`Model::friction_mnm`]: at a place and time at rest in both directions, and turning as given in `direction`.
+    /// [`Model::friction_mnm`] at the place and time of `turning`: at the lowest speed in both directions, and while turning in `direction`.
     #[inline]
     pub(crate) fn friction(&self, turning: &Motion, direction: Direction) -> Friction {
         let still = Motion { velocity_rad_s: 0.0, ..*turning };

@@ -91,7 +91,7 @@ pub struct RigDescription {
     /// Time without a command after which the amplifier itself removes the torque, s, as read back from it once it is
     /// prepared; `None` where the rig does not say.
     pub watchdog_s: Option<f64>,
-    /// What is held by one run at a time, whoever makes it, as a path or an address; `None` for a rig that is no device.
+    /// The device that only one run at a time may hold, whoever makes the run, as a path or an address; `None` for a rig without a device.
     pub device: Option<String>,
     /// The system calls that it makes in a tick.
     pub calls: DeclaredCalls,
@@ -180,8 +180,8 @@ pub trait Apparatus: Send {
     /// What the rig says of itself; watchdog, codes and notes may change by [`prepare`](Self::prepare), also where that fails.
     fn description(&self) -> &RigDescription;
 
-    /// Brings the rig to where switching it on takes no time: opens buses, finds the encoder's zero, arms the watchdog. It may
-    /// take its time as long as it asks `stop` several times a second, and gives up once that is true.
+    /// Prepares the rig so that it can be switched on at once: opens buses, finds the encoder's zero, arms the watchdog. This may
+    /// take long, but must call `stop` several times a second and give up once `stop` returns true.
     ///
     /// # Errors
     /// [`ApparatusError`] when it does not come up; [`ApparatusError::Stopped`] when it gave up.
@@ -199,15 +199,15 @@ pub trait Apparatus: Send {
     /// Switches the amplifier off: torque-free from here on. Calling it again, or before it was on, does nothing.
     fn disable(&mut self);
 
-    /// Takes the sensors at the tick that is due at `due_ns` (CLOCK_MONOTONIC, never falling), and gives the rig the torque of
-    /// the tick before, mNm, unless [`write_torque`](Self::write_torque) has done so: what a bus does in one go.
+    /// Reads the sensors at the tick that is due at `due_ns` (CLOCK_MONOTONIC, never falling), and gives the rig the torque of
+    /// the tick before, mNm, unless [`write_torque`](Self::write_torque) has done so. A bus does both in one exchange.
     ///
     /// # Errors
     /// [`ApparatusError`] when a sensor or the amplifier has failed since the last call.
     fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError>;
 
-    /// Sets the motor's torque until the next call, mNm: of a rig that can take it between two exchanges, and saves a period by
-    /// it. Others leave this as it is.
+    /// Sets the motor's torque until the next call, mNm. A rig that can take a torque between two exchanges implements this, which
+    /// saves a period of delay; for other rigs the default does nothing.
     ///
     /// # Errors
     /// [`ApparatusError`] when the amplifier does not take it.

@@ -162,7 +162,7 @@ pub struct Wiring {
     contact: Option<Wire>,
     motor: Scaling,
     angle_delay_s: f64,
-    /// What of the torque's delay the driver knows by itself, s.
+    /// Part of the torque's delay that the driver adds by itself, s.
     pub known_delay_s: f64,
     /// Delay of the torque behind the angle, s.
     pub torque_delay_s: f64,
@@ -316,7 +316,7 @@ impl Wiring {
         self
     }
 
-    /// What is to be said of a torque whose stated delay looks like the half period that the driver takes off by itself.
+    /// A warning if the torque's stated delay looks like the half period that the driver takes off by itself; `None` otherwise.
     #[must_use]
     pub fn doubled_delay(&self) -> Option<String> {
         let stated_s = self.torque_delay_s - self.known_delay_s;

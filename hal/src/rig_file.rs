@@ -197,8 +197,8 @@ impl RigFile {
                 }
                 let mut table = neutral();
                 table.extend(given.clone());
-                // The names in it are those within the program by now.
-                // Where it stands in the file the merged table does not tell: the parser's word is enough.
+                // The table has the program's own names by now, so an error is put back into the axis's words. The merged table has no
+                // places in the file: the parser's message is all that the error tells.
                 if let Err(error) = Calibration::deserialize(toml::Value::Table(table.clone())) {
                     return Err(self.error(format!("[calibration]: {}", self.axis.words(error.message()))));
                 }
@@ -211,7 +211,7 @@ impl RigFile {
     }
 }
 
-/// A calibration of which nothing is known but the inertia of the motor, which it must have.
+/// Defaults of a calibration: zeros, and a rigid torque sensor. The motor's inertia has no default; the file must state it.
 fn neutral() -> toml::Table {
     let zero = [
         "gripper_inertia",

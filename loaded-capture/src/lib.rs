@@ -119,7 +119,7 @@ impl LoadedCapture {
             return Self::load(path);
         }
         let mut curve = match Curve::load(path, chosen) {
-            // What a capture must have says more than what testers write.
+            // The error that names the columns of a capture is more helpful than the one about formats of testers.
             Err(ArchiveError::UnknownTable { .. }) => return Self::load(path),
             read => read?,
         };

@@ -78,7 +78,7 @@ impl LoopStatus {
         self.published_samples + self.dropped_samples
     }
 
-    /// Upper edge of the bin up to which such a share of the ticks was late, ns; `None` in the last bin, which has no edge.
+    /// Upper edge of the bin that holds the `share` quantile of the ticks' lateness, ns; `None` in the last bin, which has no edge.
     #[must_use]
     pub fn lateness_below_ns(&self, share: f64) -> Option<u64> {
         let ticks: u64 = self.lateness_counts.iter().sum();

@@ -71,7 +71,7 @@ pub enum CapabilityError {
 }
 
 impl Capability {
-    /// Of values in the order in which they were made, in consecutive subgroups of so many, or single.
+    /// The capability from values in the order in which they were made, in consecutive subgroups of `subgroup` values; 1 for single values.
     ///
     /// # Errors
     /// [`CapabilityError`], a sentence on the values.

@@ -115,8 +115,8 @@ impl Run {
 }
 
 impl Sheet {
-    /// Of one curve, or of several of one part: each, and each press of it, is read by itself, and the figures are their means, as
-    /// testers do.
+    /// The sheet of one curve, or of several curves of one part. Figures are read off each curve, and off each press in it,
+    /// separately; the sheet has their means, as testers do.
     ///
     /// # Errors
     /// [`SheetError`] for curves that make no sheet.

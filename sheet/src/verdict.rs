@@ -158,7 +158,7 @@ fn beyond(sheet: &Sheet, figure: Option<&Figure>, limits: Limits) -> Option<Perc
     let beyond = limits.min.map_or(0.0, |min| min - value).max(limits.max.map_or(0.0, |max| value - max));
     let loads = sheet.curve.values().flat_map(|branch| &branch.load);
     let largest = match sheet.axis {
-        // The end stops of a press are felt as such, its dome by its collapse.
+        // A press is felt by the force of its collapse; a larger load at its bottom is felt as an end stop.
         Axis::Linear => sheet.figures.get("collapse_force").and_then(|collapse| collapse.value),
         Axis::Rotary => None,
     };

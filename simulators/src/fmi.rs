@@ -72,7 +72,7 @@ pub fn fmu(model: &Model, library: &[u8]) -> Result<Export<Vec<u8>>, ZipError> {
     let executable = SimpleFileOptions::default().unix_permissions(0o755);
     let binary = format!("binaries/{}-linux/{LIBRARY}.so", std::env::consts::ARCH);
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    // The description first and as it is: by its words a file is known to be replaceable.
+    // The description comes first and uncompressed: its words mark the file as one that a later output may replace.
     for (name, options, content) in [
         ("modelDescription.xml", plain, description.as_bytes()),
         (&format!("resources/{MODEL_FILE}"), plain, said.to_toml().as_bytes()),

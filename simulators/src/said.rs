@@ -24,7 +24,7 @@ pub fn left_out_mnm(model: &Model, said: &Model, motions: &[Motion]) -> f64 {
     left_out_by_mnm(model, &said.readings_mnm(motions), motions)
 }
 
-/// [`left_out_mnm`] by what says `said_mnm` along the motion.
+/// [`left_out_mnm`] for a format whose torque along the motion is `said_mnm`.
 #[must_use]
 pub fn left_out_by_mnm(model: &Model, said_mnm: &[f64], motions: &[Motion]) -> f64 {
     let all = without_misreadings(model).readings_mnm(motions);

@@ -120,7 +120,7 @@ impl ColumnChoice {
         self.units.get(quantity.name())
     }
 
-    /// The size of the unit of a quantity in the column called `name`.
+    /// The factor from the unit of the column called `name` to the instrument's unit of the quantity.
     fn factor(&self, quantity: Quantity, name: &str) -> Result<f64, ChoiceError> {
         match self.unit(quantity) {
             Some(unit) => factor(quantity, unit),

@@ -33,7 +33,7 @@ pub(super) enum Time {
 /// How a table tells whether the contact is closed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Contact {
-    /// By a voltage over it, which falls as it closes; by a flag where there is nothing but 0 and 1.
+    /// By the voltage over the contact, which falls as the contact closes. A column of nothing but 0 and 1 is read as a flag.
     Voltage(usize),
     /// By a flag.
     Flag(usize),

@@ -27,13 +27,13 @@ const WORDS: [(&str, &str); 13] = [
 
 /// Where a line, a row of a table or a piece of a page ends.
 const ENDS: [&str; 5] = ["\n", "</tr>", "</p>", "</text>", "</svg>"];
-/// The word whose `rad` is no travel: a phase is an angle on every axis.
+/// The word beside which `rad` stays as it is: a phase is an angle on every axis.
 const PHASE: &str = "phase";
 
 impl Axis {
-    /// A text about this axis, made of one about what is turned: names, units, whole sentences and pages.
+    /// Translates a text about a rotary axis into one about this axis: names, units, whole sentences and pages.
     ///
-    /// File names stay as they are, and so does the unit of a phase, which a line or a row of a table tells by its name.
+    /// File names stay as they are, and so does `rad` in a line or a row of a table that names a phase.
     ///
     /// ```
     /// use dynamics::Axis;

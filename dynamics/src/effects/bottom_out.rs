@@ -36,7 +36,7 @@ pub static KIND: EffectKind = EffectKind {
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[0],
     }),
-    // A diagnosis looks for effects in what turns, where an end stop would be called one.
+    // A diagnosis looks for effects on rotary axes only, where this contact is called an `end-stop`.
     hypothesis: None,
 };
 

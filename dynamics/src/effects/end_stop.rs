@@ -100,7 +100,7 @@ pub fn free_rad(effect: &Effect) -> Range<f64> {
     if std::ptr::eq(effect.kind(), &KIND) { effect.values()[0]..effect.values()[1] } else { 0.0..0.0 }
 }
 
-/// On how many sides there is no stop, since it would have no stiffness; none of another effect.
+/// Number of sides without a stop, that is, with a stiffness of zero; 0 for an effect of another kind.
 #[must_use]
 pub fn absent_sides(effect: &Effect) -> usize {
     let is_stop = std::ptr::eq(effect.kind(), &KIND);

@@ -7,7 +7,7 @@ pub const OUTER_SHARE: usize = 2;
 /// Largest share of the inertia that is looked for on either side.
 pub const LARGEST_SHARE: f64 = 0.98;
 
-/// `shaft-compliance`: all of the knob, or what a share leaves of it, turns on a torsional spring and damper; see [`crate::Coupling`].
+/// `shaft-compliance`: the knob, apart from the outer share of its inertia, turns on a torsional spring and damper; see [`crate::Coupling`].
 pub static KIND: EffectKind = EffectKind {
     name: "shaft-compliance",
     description: "a torsional spring between the sensor and the knob, which therefore resonates",

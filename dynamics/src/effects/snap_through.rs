@@ -39,7 +39,7 @@ pub static KIND: EffectKind = EffectKind {
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[0],
     }),
-    // Of what is pressed a diagnosis measures the curve; it looks for effects in what turns.
+    // A diagnosis looks for effects on rotary axes only; of a pressed control it measures the curve.
     hypothesis: None,
 };
 

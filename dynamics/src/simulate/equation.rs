@@ -115,7 +115,7 @@ impl<'model> Equation<'model> {
 
     /// Deflection of the bristles after sliding to an angle.
     ///
-    /// [`Bristles::bent`] continued smoothly to angles on the other side, where stages of a step look.
+    /// This is [`Bristles::bent`], continued smoothly to angles before the start, which the stages of a step may evaluate.
     pub(super) fn deflection(&self, sliding: &Sliding, angle_rad: f64) -> f64 {
         let Some(bristles) = self.bristles else { return sliding.deflection };
         let slipping = sliding.direction.sign();

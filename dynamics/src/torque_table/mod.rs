@@ -67,7 +67,7 @@ impl TorqueTable {
         Self::kept_for(of, angle_rad, torque_mnm, period_rad)
     }
 
-    /// The same as an effect's kind uses it; the points lie over the coordinate of that use.
+    /// [`TorqueTable::kept`] for the table of an effect's kind, with points over the coordinate of `of`.
     ///
     /// # Errors
     /// [`TorqueTableError`] for what is no function of the coordinate.
@@ -80,7 +80,7 @@ impl TorqueTable {
         Self::through(of, points, torque_mnm, period_rad).map(interned::table)
     }
 
-    /// The same from a text with the columns `angle_rad` and `torque_mnm`, the last point repeating the first.
+    /// [`TorqueTable::kept`] from a text with the columns `angle_rad` and `torque_mnm`, where the last point repeats the first.
     ///
     /// # Errors
     /// [`TorqueTableError`], also for text that is no such table.
@@ -90,10 +90,10 @@ impl TorqueTable {
         Self::kept(&angle_rad, &torque_mnm, None)
     }
 
-    /// The same, not kept.
+    /// The table of [`TorqueTable::kept_for`] by value, not kept.
     ///
     /// # Errors
-    /// [`TorqueTableError`] likewise.
+    /// [`TorqueTableError`] for what is no function of the coordinate.
     pub fn through(
         of: TableUse,
         angle_rad: &[f64],

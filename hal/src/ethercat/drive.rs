@@ -23,7 +23,7 @@ pub(super) mod object {
     pub(in super::super) const TORQUE: Object = Object::new(0x6077, 0);
     /// Increments.
     pub(in super::super) const ENCODER_INCREMENTS: Object = Object::new(0x608f, 1);
-    /// In which turns of the motor.
+    /// Turns of the motor to which the encoder increments correspond.
     pub(in super::super) const ENCODER_TURNS: Object = Object::new(0x608f, 2);
     pub(in super::super) const INTERPOLATION_TIME: Object = Object::new(0x60c2, 1);
     pub(in super::super) const INTERPOLATION_EXPONENT: Object = Object::new(0x60c2, 2);

@@ -12,7 +12,7 @@ use crate::ApparatusError;
 
 /// Longest time in which a controller switches on: it measures the zero of its current sensors meanwhile.
 const SWITCHES_ON_WITHIN: Duration = Duration::from_secs(2);
-/// Most of its time that the watchdog may take, and how much later an answer may come.
+/// Time within which the watchdog must run out, relative to its setting, and how much later an answer may come.
 const WATCHDOG_SHARE: f64 = 1.25;
 const WATCHDOG_LEEWAY: Duration = Duration::from_millis(20);
 /// Questions by which the way to the controller and back is timed, and the rest between two: as in a run, in which both ends sleep.

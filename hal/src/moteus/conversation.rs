@@ -42,7 +42,7 @@ impl<'a> Conversation<'a> {
         Err(ApparatusError::Device(unheard))
     }
 
-    /// The same, asked once; what came instead of an answer is told by `unheard`.
+    /// The answer to a question that is asked once. If something else comes, `unheard` is set to its code.
     pub(super) fn ask_once(
         &mut self,
         question: &CanFdFrame,

@@ -88,7 +88,7 @@ pub struct MoteusRig {
     typical_ns: u64,
     /// Time after which an answer can be dated whatever is typical, ns.
     dated_ns: u64,
-    /// As whose the newest frame was sent.
+    /// Sender identifier of the newest frame.
     tag: i8,
     /// When it was switched on.
     enabled_ns: u64,
@@ -188,7 +188,7 @@ impl MoteusRig {
                 reply if reply.mode.is_some() => newest = Some(reply),
                 _ => *unheard = codes::GARBAGE,
             },
-            // That to an earlier one.
+            // An answer to an earlier command.
             Heard::Frame(frame) if address.is_from(&frame) => *unheard = codes::SLOW,
             Heard::Frame(_) => {}
             Heard::Refused => *unheard = codes::REFUSED,
@@ -313,7 +313,7 @@ impl Apparatus for MoteusRig {
     }
 
     fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
-        // At the time of the answer the command before acted still.
+        // The sensors are read while the previous command still acts.
         let acting_mnm = self.torque_mnm;
         let sent_ns = now_ns();
         let before = std::mem::replace(&mut self.unheard, codes::SILENCE);

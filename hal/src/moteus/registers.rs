@@ -97,7 +97,7 @@ fn nothing() -> QueryFormat {
     format
 }
 
-/// As whom frames are sent whose answers nobody waits for.
+/// Sender identifier of frames whose answers nobody waits for.
 const UNHEARD: i8 = 126;
 
 /// Whom frames go to.
@@ -177,7 +177,7 @@ impl Drive {
         let PositionFormat { position, velocity, kp_scale, kd_scale, ilimit_scale, ignore_position_bounds, .. } =
             &mut format;
         for resolution in [position, velocity, kp_scale, kd_scale, ilimit_scale, ignore_position_bounds] {
-            // Nothing but zero and "where it is" is ever said by these.
+            // These are only ever zero, one, or NaN for the present position: a byte holds them.
             *resolution = Resolution::Int8;
         }
         Self { format, most_torque_nm, watchdog_s }

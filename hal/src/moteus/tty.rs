@@ -47,7 +47,7 @@ pub(super) struct Lines {
     waiting: Box<[u8; BUFFER_BYTES]>,
     filled: usize,
     taken: usize,
-    /// The controller speaks by itself, over its UART: it checks what it is sent, and so are its answers.
+    /// Whether the port is known as the controller's own UART, on which lines have checksums in both directions.
     checksums: bool,
     /// What is to be sent: a line, of which the port may have taken the first part only.
     line: [u8; MAX_LINE_LENGTH],
@@ -95,7 +95,7 @@ impl Lines {
         self.waiting.copy_within(self.taken..self.filled, 0);
         self.filled -= std::mem::take(&mut self.taken);
         if self.filled == BUFFER_BYTES {
-            // So long a line is none.
+            // A full buffer without an end of line holds no line of the protocol: it is discarded.
             self.filled = 0;
         }
         &mut self.waiting[self.filled..]

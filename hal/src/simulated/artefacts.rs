@@ -15,7 +15,7 @@ pub(super) struct Artefacts {
     substep_s: f64,
     /// Delay in substeps.
     delay: f64,
-    /// The channel's values at the last substeps, round about.
+    /// Ring buffer of the channel's values at the last substeps.
     past_mnm: Box<[f64]>,
     next: usize,
 }

@@ -7,7 +7,7 @@ use dynamics::{Direction, Model, Motion, StickLimits};
 pub(super) enum Contact {
     /// At rest, exactly.
     Stuck,
-    /// Torn loose, not yet faster than the stick velocity: it cannot stick again before it was.
+    /// Broken away, but not yet faster than the stick velocity; until then it cannot stick again.
     BreakingAway(Direction),
     /// Sliding.
     Sliding(Direction),

@@ -42,7 +42,7 @@ pub struct Agreement {
     pub degrees_of_freedom: usize,
     /// Probability of a χ² at least as large if the captures agree, allowing for covariances that are themselves estimates.
     pub probability: f64,
-    /// √(χ² over degrees of freedom): how many times larger than told the differences are.
+    /// √(χ²/degrees of freedom): how many times larger the differences are than the covariances say.
     pub birge_ratio: f64,
 }
 
@@ -75,9 +75,9 @@ pub struct Average {
 pub struct Repeatability {
     /// The values, capture by capture; `None` where a capture did not identify it.
     pub values: Vec<Option<f64>>,
-    /// The same with intervals as they were compared: phases at [`Repeatability::at_angle_rad`], on one turn.
+    /// The values as compared, with half widths of their intervals: phases at [`Repeatability::at_angle_rad`], on one turn.
     pub compared: Vec<Option<Estimated>>,
-    /// The mean as it compares with them.
+    /// The combined value, for a phase likewise at [`Repeatability::at_angle_rad`].
     pub mean: Estimated,
     /// Angle at which phases were compared, rad; `None` of other parameters.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -93,7 +93,7 @@ pub struct Repeatability {
 }
 
 impl Repeatability {
-    /// Of a parameter that at least two captures told.
+    /// The repeatability of a parameter; `None` if fewer than two captures estimated it.
     fn of(
         parameter: &Parameter,
         fits: &[Fit],

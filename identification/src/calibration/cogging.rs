@@ -26,7 +26,7 @@ use crate::uncertainty::statistics::{half_width, median};
 
 /// Band in which torque is compared with angle, Hz: well below the resonance of rotor and gripper.
 const EDGE_HZ: f64 = 200.0;
-/// Sinusoids are looked for up to this share of it: what the band's low-pass takes off there is 0.4 %.
+/// Sinusoids are looked for up to this share of the band's edge, where the band's low-pass attenuates by 0.4 %.
 const FINEST: f64 = 0.5;
 /// Rows in a period of the band's edge.
 const ROWS_PER_EDGE: f64 = 4.0;
@@ -40,7 +40,7 @@ const FASTEST_RAD_S: f64 = 3.0;
 /// Finds the harmonics of the angle in the motor's torque that stand out of everything else.
 ///
 /// `commanded_mnm` is the torque commanded at each sample, held until the next; what compensates for cogging is part of it. Takes
-/// torque zero and motor inertia from `known`. Tells the motor's cogging: its harmonics, none for a motor without iron.
+/// torque zero and motor inertia from `known`. Returns the harmonics of the motor's cogging, none for a motor without iron.
 ///
 /// # Errors
 /// [`CalibrateError`] for a capture of less than a turn, in one direction only, or not slow and steady.

@@ -11,7 +11,7 @@ const FRICTION_MNM: f64 = 0.5;
 
 /// Fits the inertia beyond the torque sensor to a sweep of the gripper alone.
 ///
-/// Takes everything but the gripper's inertia from `known`. Tells `gripper_inertia`.
+/// Takes everything but the gripper's inertia from `known`. Returns `gripper_inertia`.
 ///
 /// # Errors
 /// [`CalibrateError`] for a capture that does not accelerate the gripper enough.
@@ -34,13 +34,13 @@ pub fn gripper(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     Ok(Calibrated { estimates: vec![inertia], notes, ..Calibrated::default() })
 }
 
-/// Fits the motor to what of the command does not reach the torque sensor, as a fit does a knob.
+/// Fits the motor's inertia and friction to the part of the command that does not reach the torque sensor, as a knob's are fitted.
 ///
-/// `commanded_mnm` is the torque commanded at each sample, held until the next. Takes zeros and cogging from `known`. Tells
+/// `commanded_mnm` is the torque commanded at each sample, held until the next. Takes zeros and cogging from `known`. Returns
 /// `motor_inertia`, `motor_coulomb_mnm` and `motor_viscous`: the means of both directions.
 ///
 /// # Errors
-/// [`CalibrateError`] for a capture that cannot be fitted or does not tell them.
+/// [`CalibrateError`] for a capture that cannot be fitted or from which they cannot be estimated.
 pub fn friction(
     samples: &Samples<'_>,
     commanded_mnm: &[f64],

@@ -24,7 +24,7 @@ const EDGE_HZ: f64 = 40.0;
 
 /// Fits zero, amplitude and phase of gravity to a turn of at least 360°.
 ///
-/// Takes the acceleration's delay and the torque sensor's stiffness from `known`. Tells
+/// Takes the acceleration's delay and the torque sensor's stiffness from `known`. Returns
 /// `gravity_amplitude_rad_s2`, `gravity_phase_rad` and `acceleration_zero_rad_s2`.
 ///
 /// # Errors

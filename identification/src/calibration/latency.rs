@@ -38,8 +38,8 @@ const MUCH_FRICTION: f64 = 0.05;
 
 /// Fits the delays to a capture of the gripper alone (or any inertia without detents; friction behind the sensor is fitted with it).
 ///
-/// Takes gravity and the torque sensor's stiffness from `known`. Tells `torque_delay_s` and, where
-/// there is an accelerometer, `acceleration_delay_s`; a channel that cannot be estimated is a note.
+/// Takes gravity and the torque sensor's stiffness from `known`. Returns `torque_delay_s` and, where
+/// there is an accelerometer, `acceleration_delay_s`; a delay that cannot be estimated is replaced by a note.
 ///
 /// # Errors
 /// [`CalibrateError`] for samples that are no motion, or when neither channel follows it.
@@ -178,7 +178,7 @@ fn torque_relation(
     let torque: Vec<f64> =
         direction.iter().zip(&velocity).map(|(sign, speed)| coulomb_mnm * sign + viscous * speed).collect();
     let share = rms(&torque) / solved.target_deviation;
-    // Friction is not the inertia's either.
+    // The motion of an inertia does not explain friction either: its share counts as unexplained.
     solved.unexplained = solved.unexplained.hypot(share);
     let note = || {
         format!(

@@ -20,7 +20,7 @@ const TERMS: u32 = 8;
 /// Averages torque and acceleration of a rig at rest with nothing on the gripper.
 ///
 /// Takes gravity from `known`, at the angle at which the rig rests: the interval leaves out gravity's own
-/// error. Tells `torque_zero_mnm` and, where there is an accelerometer, `acceleration_zero_rad_s2`.
+/// error. Returns `torque_zero_mnm` and, where there is an accelerometer, `acceleration_zero_rad_s2`.
 ///
 /// # Errors
 /// [`CalibrateError`] for a rig that moves.
@@ -67,7 +67,7 @@ fn mean_at_rest(signal: &[f64], step: f64) -> (f64, f64) {
     (value, student_95((means.len() - 1) as f64) * standard_error + bias_of_steps(signal, own_error, step))
 }
 
-/// Largest bias of a mean on steps: half a step where a signal spans so few that its variance does not tell its noise.
+/// Largest bias of the mean of a quantised signal: half a step where the signal spans too few steps for its variance to show its noise.
 fn bias_of_steps(signal: &[f64], own_error: f64, step: f64) -> f64 {
     if step <= 0.0 {
         return 0.0;

@@ -171,7 +171,7 @@ pub struct Step {
     pub heldout_rms_after: f64,
     /// Gain in log-likelihood of both captures less the cost of the effect's freedom, nats.
     pub evidence: f64,
-    /// Standard errors by which stretch after stretch of both captures is explained better.
+    /// Mean gain over the stretches of both captures, in standard errors.
     #[serde(deserialize_with = "number_or_nan")]
     pub steadiness: f64,
     /// Share of false discoveries among the effects tried in this step that predict stretches of the held-out capture as
@@ -220,7 +220,7 @@ pub struct Rival {
     pub heldout_rms_after: f64,
     /// Gain in evidence, nats.
     pub evidence: f64,
-    /// Probability beside all others, prior odds being even.
+    /// Posterior probability among the chosen effect and all rivals, with even prior odds.
     #[serde(deserialize_with = "number_or_nan")]
     pub probability: f64,
     /// Why it cannot be the one, if so: a parameter on its bound.

@@ -117,7 +117,7 @@ pub fn diagnose(
         compared.undetermined = undetermined.iter().flat_map(|undetermined| undetermined.rows(&compared)).collect();
         compared
     };
-    // Detents that differ from the model's seem to be elsewhere.
+    // Unequal detents look like equal ones with another zero of the encoder, so no zero is estimated then.
     let are_unequal = search.detents_are_unequal(&base);
     let zero = if heldout.is_some() && !are_unequal { EncoderZero::of(&base, &captures) } else { None };
     let mut comparison = Comparison { zero, are_unequal };

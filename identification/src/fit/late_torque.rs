@@ -27,7 +27,7 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix
     let is_long = trimmed.delay.is_some() && delay_s.abs() * rate_hz >= 1.0;
     let lag_rows = delay_s * rate_hz / row_filter.step as f64;
     let mut shifts = Vec::new();
-    // The moved torque would have to be freed of measured curves as the fitted one was.
+    // The aligned torque would have to be projected off measured curves, as the fitted torque was.
     if trimmed.curves.is_some() || !is_long && lag_rows < LEAST_LAG_ROWS {
         return shifts;
     }

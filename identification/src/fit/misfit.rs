@@ -19,7 +19,7 @@ use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, interval, medi
 /// Share of the band that the narrower fit keeps, and every how many of its rows.
 const NARROWER: f64 = 0.5;
 const EVERY: usize = 2;
-/// A difference of two estimates is known at best to this share of the second one's variance.
+/// Least variance of the difference of two estimates, as a share of the other estimate's variance.
 const LEAST_VARIANCE: f64 = 0.25;
 /// Two-sided 95 % of the normal distribution shared among ten better models (Bonferroni), in standard deviations.
 const SHARED_95: f64 = 2.81;

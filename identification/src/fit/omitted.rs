@@ -33,8 +33,8 @@ struct Group {
 /// A column of an omitted effect.
 pub(super) struct Omitted {
     pub(super) column: Column,
-    /// Whether only the part beyond the model's own friction counts; otherwise the levels of friction would be those at the start, at
-    /// standstill or at one angle.
+    /// Whether only the part of the column beyond the model's own friction counts. With the whole column, the fitted levels of friction
+    /// would be those at the start, at standstill or at one angle.
     pub(super) is_beyond_friction: bool,
 }
 

@@ -77,7 +77,7 @@ impl<'a> Prepared<'a> {
     pub(super) fn measure(&self, options: &FitOptions) -> Option<Measured> {
         let Self { motion, torque_mnm, row_filter, .. } = self;
         let base = self.base(options);
-        // One Coulomb friction for both directions: half of what differs between them is a torque that does not change with them.
+        // Both directions share one Coulomb friction: half the difference of two would be a torque that is independent of the direction.
         let ([negative, positive], both) = base.both_ways()?;
         let mut columns = base.columns.clone();
         columns[negative] = both;

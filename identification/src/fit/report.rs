@@ -41,7 +41,7 @@ pub(crate) struct Report<'a> {
 type Told = (Parameter, Option<RowDVector<f64>>);
 
 impl<'a> Report<'a> {
-    /// `near` are the rows, together with those next to standstill that the fit leaves out; `None` if it leaves out none.
+    /// `near` are the rows plus those next to standstill that the fit leaves out; `None` if it leaves out none.
     pub(crate) fn new(
         trimmed: &'a Trimmed<'a>,
         torque_mnm: &[f64],

@@ -15,8 +15,8 @@ pub(super) struct Shift {
 }
 
 impl Shift {
-    /// The estimates from `rows` that went through `change`, the coefficients `at_zero` held there; `None` where the rows do
-    /// not give all of them.
+    /// The estimates from `rows` passed through `change`, with the coefficients marked in `at_zero` held at zero; `None` if the rows
+    /// do not determine all of the others.
     pub(super) fn of(
         trimmed: &Trimmed<'_>,
         Rows { columns, target }: &Rows,

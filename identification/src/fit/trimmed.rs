@@ -51,7 +51,7 @@ impl<'a> Trimmed<'a> {
         Self { target: problem.target.clone(), problem, columns, solution, curves: None, delay_s: 0.0, delay: None }
     }
 
-    /// The rows, together with those of samples that only another row filter has.
+    /// The sum of these rows and the rows of further samples, which only the row filter `other` keeps.
     pub(super) fn with_rows_of(&self, other: &RowFilter, band: &Band, torque_mnm: &[f64]) -> Rows {
         let coefficients = &self.solution.coefficients;
         let problem = Problem::new(other, self.problem.motion, band, torque_mnm, &self.problem.effects);
@@ -81,7 +81,7 @@ impl<'a> Trimmed<'a> {
         let is_curve = |effect: &Effect| matches!(effect.kind().part, Part::TorqueTable(_) | Part::FrictionTable(_));
         let effects = (0..problem.effects.len()).filter(|effect| is_curve(&problem.effects[*effect]));
         let of_curves: Vec<usize> = effects.flat_map(|effect| problem.range(effect)).collect();
-        // The mean of both directions is the curves', so that only half of the two Coulomb frictions' sum is told beside them.
+        // The mean torque of both directions belongs to the curves: beside them only the mean of the two Coulomb frictions is estimated.
         let coulomb = problem.both_ways().map(|(places, both)| {
             let half: Vec<f64> = done(&both).into_iter().map(|value| 0.5 * value).collect();
             (places, half)

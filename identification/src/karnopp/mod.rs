@@ -38,7 +38,7 @@ const AT_REST: f64 = 8.0;
 /// Standard deviations of the angle's noise that a resting angle may span: a rest on the edge between two steps of the
 /// encoder spans one step, which is 3.5 of them.
 const SPAN: f64 = 6.0;
-/// Times that a rest lasts longer than a turning point seems to.
+/// Factor by which a rest must last longer than a turning point would stay within the tolerance.
 const LONGER: f64 = 2.0;
 /// What rounding does to an angle without noise, rad.
 const ROUNDING_RAD: f64 = 1e-9;
@@ -82,8 +82,8 @@ impl Stick {
             resolved_rad_s: AT_REST * motion.velocity_noise_rad_s,
             rests: 0,
         };
-        // Encoder and torque sensor sit on the other side of the torque sensor's spring, and the torque that tells its
-        // twist is one delay and one sample blurred: a braked knob loses speed meanwhile.
+        // The encoder sits on the other side of the torque sensor's spring. The torque from which the twist follows is blurred
+        // over one delay and one sample, in which a braked knob loses speed.
         let blur_s = (1.0 + uniform.received_torque().1.abs()) / rate_hz;
         for rest in rests(&angle_rad, tolerance_rad, &uniform.present, samples(REST_S)) {
             if !is_longer_than_a_turning_point(&angle_rad, &rest, tolerance_rad, samples(BORDER_S)) {

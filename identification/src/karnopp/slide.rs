@@ -66,7 +66,7 @@ pub(super) enum Side {
 impl Slide<'_> {
     /// The border near one end of a rest; `None` where the knob creeps, is stopped by something else, or the capture ends.
     ///
-    /// `window` samples beyond that end are looked at, and as many within the rest as it takes a slow ramp to move the knob by more than noise.
+    /// Looks `window` samples beyond that end and up to `DEEPEST` times as far into the rest: on a slow ramp the knob leaves the noise late.
     pub(super) fn border(&self, rest: &Range<usize>, side: Side, window: usize) -> Option<Border> {
         let end = if side == Side::After { rest.end.checked_sub(1)? } else { rest.start };
         let within = rest.len().clamp(window, DEEPEST * window);
@@ -87,7 +87,7 @@ impl Slide<'_> {
             .map(|index| (index, trial(index as f64).0))
             .collect();
         let best = (0..tried.len()).min_by(|a, b| tried[*a].1.total_cmp(&tried[*b].1))?;
-        // At an end of what was tried the instant lies beyond it.
+        // If the best instant is the first or the last one tried, the border lies beyond those tried.
         let (mut low, mut high) = (tried.get(best.checked_sub(1)?)?.0 as f64, tried.get(best + 1)?.0 as f64);
         for _ in 0..ROUNDS {
             let (left, right) = (low + GOLDEN * (high - low), high - GOLDEN * (high - low));

@@ -139,8 +139,8 @@ fn band_hz(rate_hz: f64) -> f64 {
 }
 
 impl LiveFit {
-    /// A fit without data for a stream of `rate_hz`, of which every parameter is asked to [`USUAL_SHARE`]; what the
-    /// calibration knows is taken out.
+    /// A fit without data for a stream of `rate_hz`, corrected by the calibration. It asks for intervals whose half width is
+    /// [`USUAL_SHARE`] of the value.
     #[must_use]
     pub fn new(rate_hz: f64, calibration: Option<&Calibration>) -> Self {
         let base_effects = vec![Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];

@@ -113,7 +113,7 @@ impl Pipeline {
         self.align(aligned);
         let half = self.fir.half_length();
         let middle = aligned.checked_sub(2 * half)? + half;
-        // The torque passes the same filter: what rings beyond it must not be in one and not in the other.
+        // The torque passes the same filter: ringing beyond the cutoff must not remain in only one of the two.
         let (mut smooth, mut torque) = (0.0, 0.0);
         for (tap, at) in self.fir.taps().iter().zip(middle - half..) {
             smooth += tap * self.knob_angle.get(at);

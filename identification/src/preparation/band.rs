@@ -16,8 +16,8 @@ const WIDEST: f64 = 0.1;
 const NARROWEST_PER_SWEEP: f64 = 17.0;
 /// … and at most to this one, unless fine detents need more: beyond, rigs ring and their sensors differ.
 const WIDEST_PER_SWEEP: f64 = 43.0;
-/// Widest band as a multiple of 1/delay of a calibrated torque channel: a lag is a mere delay only far below its
-/// bandwidth. For a second-order Butterworth this is an eighth of it, where the rest is worth half a microsecond.
+/// Widest band as a multiple of 1/delay of a calibrated torque channel: a low-pass is a mere delay only far below its bandwidth.
+/// For a second-order Butterworth the limit is an eighth of the bandwidth, where the difference from a delay is half a microsecond.
 const WIDEST_PER_LAG: f64 = 0.028;
 /// Rows that the band should give if the sample rate permits: fewer make poor intervals.
 const FEWEST_ROWS: f64 = 200.0;

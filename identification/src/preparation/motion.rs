@@ -175,7 +175,7 @@ impl KnobMotion {
         integral(edge_hz, |frequency_hz| self.acceleration_density(frequency_hz, self.angle_density)).sqrt()
     }
 
-    /// A torque filtered as the motion is: what rings beyond the cutoff must not be in one and not in the other.
+    /// A torque filtered as the motion is: ringing beyond the cutoff must not remain in only one of the two.
     pub(crate) fn alike<'a>(&self, torque_mnm: &'a [f64], rate_hz: f64) -> Cow<'a, [f64]> {
         if self.exact { torque_mnm.into() } else { self.smoother(rate_hz).filter(torque_mnm).into() }
     }

@@ -14,7 +14,7 @@ const BEYOND_WITHIN: usize = 3;
 const SHORTEST_FROZEN: usize = 20;
 /// An encoder froze if the angle jumps afterwards by this many times its largest step nearby.
 const JUMP: f64 = 10.0;
-/// … and by more than one step of its own, which is all that a coarse encoder can do: this many.
+/// … and by more than this many steps of the encoder: a coarse encoder that works jumps by one step at a time.
 const MORE_THAN_A_STEP: f64 = 1.5;
 /// Steps on either side of a run that tell how fast the knob was.
 const NEARBY: usize = 10;

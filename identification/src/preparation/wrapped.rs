@@ -6,7 +6,7 @@ use crate::samples::span;
 
 /// Share of a turn that no knob turns from one sample to the next.
 const WRAPS: f64 = 0.75;
-/// Share of a turn by which the angle of a whole one may seem longer for noise.
+/// Share of a turn by which noise may make the range of a wrapped angle exceed one turn.
 const MARGIN: f64 = 1e-3;
 
 /// The angle without its jumps by a turn, and how many there were, in a sentence; `None` where there are none.

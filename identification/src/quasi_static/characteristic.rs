@@ -11,8 +11,8 @@ use crate::samples::Samples;
 
 /// Fits friction and the torque over the angle to a map; `None` where its rows tell no point.
 ///
-/// Of friction a curve tells one number, half the mean distance between its branches: what differs between the directions besides
-/// cannot be told from a torque that does not change with them.
+/// A curve gives one friction for both directions, half the mean distance between its branches: a difference between the directions
+/// cannot be told from a torque that is independent of the direction.
 pub(super) fn fit(samples: &Samples<'_>, map: &Map) -> Option<Fit> {
     let frictions = map.frictions();
     let columns: Vec<Vec<f64>> = frictions.iter().map(|friction| map.friction_column(*friction)).collect();

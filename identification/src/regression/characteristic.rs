@@ -17,7 +17,7 @@ const ROWS_PER_POINT: usize = 4;
 const CELLS: usize = 200;
 /// What holds a point that the samples hardly show near zero, as a share of the mean point's square.
 const HELD: f64 = 1e-6;
-/// The same of a friction, larger: where one direction alone was seen, what it shows is a torque.
+/// The same for the points of a friction, and larger: a torque that was seen in one direction only counts as no friction.
 const FRICTION_HELD: f64 = 1e-3;
 /// Share of a column's square that is rounding.
 const ROUNDING: f64 = 1e-18;
@@ -178,8 +178,8 @@ pub(crate) struct Measured {
     pub(crate) covariance: DMatrix<f64>,
 }
 
-/// The projection of columns on those of measured curves. What it leaves of the other columns gives their coefficients, and how well they
-/// are known, as a fit of all together does (R. Frisch and F. V. Waugh, Econometrica 1, 1933, 387–401).
+/// The projection of columns on those of measured curves. The remainders of the other columns give the same coefficients and
+/// covariance as a fit of all columns together (R. Frisch and F. V. Waugh, Econometrica 1, 1933, 387–401).
 pub(crate) struct CurveProjection {
     pub(crate) points: Vec<Vec<f64>>,
     products: DMatrix<f64>,
@@ -204,7 +204,7 @@ impl CurveProjection {
         Self { products: vector::gram(&points), points }
     }
 
-    /// What the points cannot do of a column; nothing where only rounding is left.
+    /// The part of a column that the points cannot explain; zeros where only rounding is left.
     pub(crate) fn remainder(&self, column: &[f64]) -> Vec<f64> {
         let free = vec![false; self.points.len()];
         let left = LeastSquares::of_products(&self.points, &self.products, column, &free, &[], COLLINEAR).residual;
@@ -212,11 +212,11 @@ impl CurveProjection {
     }
 }
 
-/// Measures the torque over the angle beside the columns of a base: the mean of both directions, and, where there
-/// are both, by how much half their difference varies. The number of points is that with the least of Schwarz's criterion (G. Schwarz, Ann.
-/// Statist. 6, 1978, 461–464); `None` where the samples tell no point.
+/// Measures the torque over the angle beside the columns of a base: the mean of both directions and, with `both_ways`, the
+/// variation of half their difference. The number of points minimises Schwarz's criterion (G. Schwarz, Ann. Statist. 6, 1978,
+/// 461–464); `None` if there are too few rows for any number of points.
 ///
-/// `rows` makes the columns of a spline's points; `noise` is what takes that of the base's columns off.
+/// `rows` makes the columns of a spline's points; `noise` are the corrections for the noise in the base's columns.
 pub(crate) fn measure(
     base: &[impl AsRef<[f64]>],
     nonnegative: &[bool],

@@ -175,7 +175,7 @@ impl Solution {
         &inverse * scatter * &inverse
     }
 
-    /// What target and columns count in the residual, with the sign turned.
+    /// Weights with which target and columns add up to minus the residual.
     fn weights(&self) -> DVector<f64> {
         DVector::from_iterator(
             self.coefficients.len() + 1,

@@ -16,8 +16,8 @@ const NEGLIGIBLE: f64 = 1e-9;
 /// Most rounds on the residual.
 const ROUNDS: usize = 3;
 
-/// What holds a coefficient of either sign near zero, as a share of its column's square: too little to be felt unless
-/// other columns can do the same.
+/// Ridge that holds a coefficient of either sign near zero, as a share of its column's square: too small to matter unless
+/// other columns explain the same.
 const HELD: f64 = 1e-8;
 /// The same for coefficients that cannot be negative.
 const HELD_FIRMLY: f64 = 1e-11;

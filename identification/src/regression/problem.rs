@@ -17,7 +17,7 @@ use crate::preparation::sensor_noise::SensorNoise;
 
 /// Relative change of a searched parameter for its column by differences.
 const DIFFERENCE: f64 = 1e-6;
-/// A step is not worth taking that would take off less than this multiple of the residual's mean square: it is
+/// A step is not taken if it would lower the sum of squares by no more than this multiple of the residual's mean square: it is then
 /// shorter than a hundredth of the parameter's standard deviation.
 const SETTLED: f64 = 1e-4;
 
@@ -258,7 +258,7 @@ impl<'a> Problem<'a> {
             dot(&self.columns[row], &tangents[column])
         });
         let mut curvature = vector::gram(&tangents);
-        // What of the tangents the columns themselves cannot do.
+        // The part of the tangents that the columns explain is taken off.
         curvature -= cross.transpose() * &solution.inverse * &cross;
         let step = curvature.cholesky()?.solve(&slope);
         let gain = step.dot(&slope);

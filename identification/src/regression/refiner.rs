@@ -1,7 +1,7 @@
 //! Lowering a sum of squares step by step.
 //!
-//! What a step is differs: of Gauss and Newton with all linear coefficients solved anew, of Levenberg and Marquardt where a body is simulated.
-//! When to go on and when to stop is the same.
+//! The steps differ: Gauss and Newton's with all linear coefficients solved anew, or Levenberg and Marquardt's where a body is simulated.
+//! The rules for going on and for stopping are the same.
 
 /// Shares of a step that are tried.
 const TRIALS: usize = 4;

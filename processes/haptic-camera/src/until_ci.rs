@@ -35,8 +35,8 @@ impl fmt::Display for Share {
     }
 }
 
-/// The sweep goes on until it has held while the data grew by this factor: successive estimates rest on nearly the same
-/// data, and an interval that is small by accident must be small by accident of new data too.
+/// Factor by which the data must grow while the criterion holds before the sweep ends. Successive estimates rest on nearly the same
+/// data; an interval that is small by chance is then unlikely to stay small with new data.
 const HELD_GROWTH: f64 = 1.1;
 /// Estimates that must hold in a row, besides.
 const HELD_ESTIMATES: u32 = 10;

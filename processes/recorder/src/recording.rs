@@ -167,7 +167,7 @@ impl Recording {
             .or_else(|error| self.begin_part_in(folder_of(&self.out)).map_err(|_| error))?;
         let path = part.path.clone();
         self.part = Some(part);
-        // What was under way is nothing to the new part's disk.
+        // The new part's disk is not at work on any of these entries yet.
         self.at_disk = 0;
         Ok(path)
     }
@@ -262,7 +262,7 @@ impl Recording {
                     paths.join(", "),
                     out.display()
                 );
-                // How many of them are in the parts is known once they are merged; some are not where a place was wanting.
+                // Only a merge can tell how many samples the parts hold, and some may have found no place: all count as missing.
                 Ok(published_samples.max(received.admitted()).max(1))
             }
         }

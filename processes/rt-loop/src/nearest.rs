@@ -1,4 +1,4 @@
-//! The model nearest to one that the rig cannot render that it can.
+//! The renderable model nearest to one that the rig cannot render.
 
 use dynamics::{Coordinate, Effect, EffectKind, Model, Part};
 
@@ -22,7 +22,7 @@ pub struct Nearest {
 const ROUNDS: u32 = 40;
 /// How far a value stays inside its bound, as a share: rounding.
 const INSIDE: f64 = 1e-9;
-/// Share that is taken off where a bound moves with what it bounds.
+/// Further factor on a quantity whose bound moves with it.
 const MOVING: f64 = 0.99;
 
 impl Admission {

@@ -12,7 +12,7 @@ use super::stroke::{STEP_MM, Stroke, smoothed};
 use crate::branch::Branch;
 use crate::figure::FigureKind;
 
-/// Rows to either side than which a maximum is higher.
+/// Rows on either side among which a maximum must be the largest value.
 const NEIGHBOURS: usize = 5;
 /// Part of the press in which the collapse lies.
 const COLLAPSE_WITHIN: f64 = 0.75;

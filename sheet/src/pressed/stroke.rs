@@ -14,9 +14,9 @@ pub(crate) const STEP_MM: f64 = 0.005;
 const SMOOTHED: usize = 7;
 /// Least part of the press that a return must cover.
 const RETURNED: f64 = 0.5;
-/// Part of the whole travel by which it turns round between one press and the next.
+/// Least fall of the travel after a press, and least rise into a press, as a part of the whole travel.
 const TURNED: f64 = 0.25;
-/// Part of the whole travel that a press must cover beside deeper ones.
+/// Least depth of a press that counts, as a part of the whole travel.
 const DEEP: f64 = 0.95;
 
 /// A press and its return.

@@ -35,8 +35,8 @@ pub(super) struct SplineBranch {
 }
 
 impl SplineBranch {
-    /// Of the rows of a curve in one direction, those in cells of `cell` rad as their mean, with knots every `knot` rad; `None` of too
-    /// few.
+    /// Fits the rows of a curve in one direction, averaged in cells of `cell` rad, with knots every `knot` rad; `None` for too few
+    /// rows.
     pub(super) fn of(curve: &Curve, directions: &[i8], direction: i8, [knot, cell]: [f64; 2]) -> Option<Self> {
         let mut cells: std::collections::BTreeMap<i64, [f64; 3]> = std::collections::BTreeMap::new();
         let rows = curve.position.iter().zip(&curve.load).zip(directions);
@@ -53,7 +53,7 @@ impl SplineBranch {
         Self::fitted(cells, knot, &[], 0.0)
     }
 
-    /// The same branch with hinges at those angles that reach as far either way; `None` of more than its rows tell.
+    /// The branch fitted again with hinges at these angles, each `reach` rad wide to either side; `None` if its rows do not determine them.
     pub(super) fn hinged(&self, hinges: &[f64], reach: f64) -> Option<Self> {
         Self::fitted(self.cells.clone(), self.knot(), hinges, reach)
     }

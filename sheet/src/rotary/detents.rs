@@ -8,7 +8,7 @@ use super::spline::Spline;
 const STEPS: f64 = 96.0;
 /// A detent counts once its torque has passed this share of the detents' amplitude on both sides.
 const HYSTERESIS: f64 = 0.3;
-/// Share of a pitch within which a branch's rest lies from that of the mean of both.
+/// Largest distance of a branch's rest from that of both branches' mean, as a share of a pitch.
 const NEAR: f64 = 0.4;
 
 /// Times that the place of a rest is halved: to a millionth of a pitch.
@@ -56,7 +56,7 @@ pub(super) fn rests(branches: [&Spline; 2], range: [f64; 2], pitch: f64) -> Vec<
     rests
 }
 
-/// Where a function rises through zero between two places, by halves: it may bend sharply there.
+/// Where a function rises through zero between two places, by bisection, since it may bend sharply there.
 fn crossing(value: impl Fn(f64) -> f64, [mut below, mut above]: [f64; 2]) -> f64 {
     for _ in 0..HALVES {
         let middle = 0.5 * (below + above);

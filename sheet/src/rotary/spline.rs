@@ -2,7 +2,7 @@
 
 use super::banded::{Banded, BandedCholesky};
 
-/// Coefficients that reach over one place, less one.
+/// Degree of the spline: one less than the number of basis functions that are not zero at a place.
 const BAND: usize = 3;
 /// Weight of a bend where there are no rows, relative to that of the rows: enough to bridge holes, far too little to be seen elsewhere.
 const STIFFNESS: f64 = 1e-7;
@@ -85,17 +85,17 @@ pub(super) struct SplineFit {
     reach: f64,
     /// The unknowns in the order of their places, so that those which meet in a row are neighbours.
     unknowns: Vec<Unknown>,
-    /// The unknowns that each row has, and how much of each.
+    /// The non-zero elements of the design matrix, row by row: the unknown's index and the value.
     rows: Vec<Vec<(usize, f64)>>,
     weights: Vec<f64>,
     factor: BandedCholesky,
 }
 
 impl SplineFit {
-    /// For rows at those places with those weights, with knots every `knot` from the first place on, and hinges at those places that
-    /// reach as far either way.
+    /// The problem for rows at the places `at` with `weights`, with knots every `knot` from the first place on, and `hinges` that
+    /// reach `reach` to either side.
     ///
-    /// `None` for fewer rows than coefficients, or rows that do not tell them all.
+    /// `None` for fewer rows than coefficients, or rows that do not determine them all.
     pub(super) fn new(at: &[f64], weights: &[f64], knot: f64, hinges: &[f64], reach: f64) -> Option<Self> {
         let first = at.iter().copied().fold(f64::INFINITY, f64::min);
         let last = at.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -19,7 +19,7 @@ pub struct Sample {
 const SLIDING_RAD_S: f64 = 0.05;
 /// This long before and after, too.
 const MARGIN_S: f64 = 0.002;
-/// About so many samples, evenly taken, tell an RMS to a percent.
+/// About so many evenly spaced samples determine an RMS to one percent.
 const ENOUGH_SAMPLES: usize = 8000;
 const COLUMNS: usize = 7;
 

@@ -119,7 +119,7 @@ impl Capture {
                 return Ok(bench.capture(name, family, strength, &mut draw));
             }
             if attempt % TRIES_TOGETHER == 0 {
-                // Two effects may ask for opposite knobs: others then. Other choices stay what they are.
+                // Two effects may ask for opposite knobs: other effects are then drawn. Choices that are not drawn stay the same.
                 names = hidden(asked, index, &mut draw)?;
             }
         }

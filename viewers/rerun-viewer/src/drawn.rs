@@ -55,7 +55,7 @@ struct Kept {
 #[derive(Debug)]
 struct Lasting {
     number: u64,
-    /// Its newer version has the same one; none for names of recordings and the layout.
+    /// The key that a newer version of the message shares; `None` for names of recordings and the layout.
     key: Option<String>,
     message: LogMsg,
 }

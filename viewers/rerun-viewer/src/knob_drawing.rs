@@ -84,9 +84,9 @@ pub(crate) const fn color(motion: Motion) -> Rgba32 {
     }
 }
 
-/// Draws the line of the detents and the places of rest where `at` puts an angle with a depth, if anywhere, and how deep they
-/// are and how far apart in words. Like the plots' axes they belong to no time, so that a page that is opened late has them
-/// first.
+/// Draws the line of the detents, their places of rest, and a label with their depth and spacing. `at` maps an angle and a depth to
+/// a place; what it maps to `None` is not drawn. Like the plots' axes, the detents belong to no time, so that a page that is opened
+/// late has them first.
 pub(crate) fn draw_detents(
     recording: &RecordingStream,
     axis: Axis,

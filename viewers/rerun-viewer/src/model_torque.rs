@@ -4,10 +4,10 @@
 //! no torque for turning in its direction. On a rig the torque sensor also bears the gripper and has
 //! a zero of its own, see [`KnobModel::on_rig`].
 //!
-//! How sure the torque is, the parameters' intervals tell: each half width h moves the torque by h·∂τ/∂p, and the parts are
-//! added as independent ones, by their squares. The live fitter does not publish how the parameters' errors hang together, so
-//! this is an approximation: where errors make up for each other, as those of Coulomb and viscous friction mostly do, it is
-//! too wide.
+//! The torque's interval follows from the parameters' intervals: each half width h moves the torque by h·∂τ/∂p, and these
+//! contributions are added in quadrature, as if they were independent. The live fitter does not publish the correlations of the
+//! parameters' errors, so this is an approximation: where errors compensate each other, as those of Coulomb and viscous friction
+//! mostly do, the interval is too wide.
 
 use dynamics::effects::{detent, friction, inertia};
 use dynamics::{Calibration, Direction, Effect, EffectKind, Model, Motion};
@@ -80,8 +80,8 @@ impl KnobModel {
         self.zero_mnm + self.model.torque_mnm(&motion)
     }
 
-    /// Least and largest torque while turning at that velocity, whatever the angle, beside zero and friction, mNm; none where the
-    /// torque does not depend on the angle.
+    /// Least and largest torque over all angles while turning at this velocity, in addition to zero and friction, mNm; `None` where
+    /// the torque does not depend on the angle.
     pub fn range_over_angle_mnm(&self, velocity_rad_s: f64) -> Option<[f64; 2]> {
         let measured = || self.model.effects.iter().filter(|effect| effect.table().is_some());
         let Some(table) = measured().find_map(Effect::table) else {

@@ -137,8 +137,8 @@ impl Picture {
         self.turn_to_run(rig::monotonic_time_ns());
     }
 
-    /// Takes in that there are no more, with the model for the curves, if a parameter is identified, and its torque as the
-    /// torque sensor would read it, mNm, with times in the capture, ns.
+    /// Ends a capture, which has no more readings. Takes in the model for the curves, if a parameter is identified, and the model's
+    /// torque as the torque sensor would read it, mNm, with times in the capture, ns.
     pub fn end_capture(&mut self, model: Option<KnobModel>, torque: impl Iterator<Item = (i64, f64)>) {
         self.model = model;
         self.fit_is_new = true;

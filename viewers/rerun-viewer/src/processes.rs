@@ -68,7 +68,7 @@ pub struct Row {
     alive: String,
     /// Whether that calls for the operator.
     pub alarm: bool,
-    /// Times it was late: ticks begun too late for one of them, reports with a sample older than [`LATE_MS`] for the others.
+    /// Times it was late: for the control loop, stalls that missed ticks; for a consumer, reports with a sample older than [`LATE_MS`].
     late: u64,
     /// Samples that it lost; of the control loop, that its ring lost.
     pub lost: u64,

@@ -105,7 +105,7 @@ impl<'f> Group<'f> {
         };
         let block = self.channels.block_offset();
         let links = number(block + HEADER - 8)?;
-        // The record's number stands before it.
+        // The record ID stands before the number of samples.
         number(block.saturating_add(HEADER + 8).saturating_add(links.saturating_mul(8)))
     }
 

@@ -91,7 +91,7 @@ fn curve(
     Ok(Curve { axis, t_s, position: positions, load: loads, closed, ..Curve::default() })
 }
 
-/// The size of a channel's unit: as it was chosen, or as the file has it.
+/// The factor from a channel's unit, as chosen or else as the file has it, to the instrument's unit of the quantity.
 fn factor(place: Place<'_>, quantity: Quantity, chosen: Option<&ColumnChoice>) -> Result<f64, String> {
     if quantity == Quantity::Number {
         return Ok(1.0);

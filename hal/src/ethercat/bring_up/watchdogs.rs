@@ -65,7 +65,7 @@ const WATCHDOG_CLOCK_S: f64 = 40e-9;
 /// Sync managers, 8 bytes each: address, length, control, status, activate, PDI control (ET1100 data sheet, 0x0800).
 const FIRST_SYNC_MANAGER: u16 = 0x0800;
 const SYNC_MANAGERS: u16 = 4;
-/// Of the control byte: buffered is 0, from the main device is 4, and the bit by which process data feed the watchdog.
+/// Fields of the control byte: mode (0 is buffered), direction (4 is from the main device), and whether process data feed the watchdog.
 const BUFFERED_MASK: u8 = 0x03;
 const DIRECTION_MASK: u8 = 0x0c;
 const FROM_MAIN_DEVICE: u8 = 0x04;

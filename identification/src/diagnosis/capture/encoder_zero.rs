@@ -24,7 +24,7 @@ const MOST_TRIED: usize = 4_000;
 const ROWS: usize = 2_000;
 /// The smallest angle is taken among those whose sum of squares exceeds the least one by at most this share.
 const AS_GOOD: f64 = 0.02;
-/// Share of the squares at the rows' middles that another zero must take off to be looked at closely.
+/// Share of the sum of squares at the rows' middles by which another zero must reduce it to be examined closely.
 const PROMISING: f64 = 0.05;
 /// Halvings of the distance between two tried angles.
 const HALVINGS: usize = 12;
@@ -57,7 +57,7 @@ impl EncoderZero {
         if structure.is_coupled() || by_base.is_none() && !of_angle(structure).is_empty() {
             return by_base;
         }
-        // Detents tell the angle but for whole periods: what else goes with the angle tells these.
+        // Detents determine the angle only up to whole periods; another effect of the angle may determine these.
         let fit = Separable::new(structure.clone(), train);
         let more = hypotheses::candidates(structure, train)
             .into_iter()

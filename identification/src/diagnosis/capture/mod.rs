@@ -36,10 +36,10 @@ pub(crate) const SLIDING: f64 = 0.9;
 const WIDEST: f64 = 0.1;
 /// Skew allowed between torque and motion, in samples.
 const SKEW_SAMPLES: f64 = 0.5;
-/// Rows of a stretch whose loudness is taken, and in a capture of few rows …
+/// Most and fewest rows of a stretch whose mean square is taken: within these limits, a capture is divided into twice …
 const STRETCH_ROWS: usize = 60;
 const SHORT_STRETCH_ROWS: usize = 16;
-/// … of which there would be fewer than twice the fewest stretches to tell the quietest by.
+/// … the fewest stretches that determine the quietest tenth.
 const FEWEST_STRETCHES: usize = 8;
 
 /// Length of the stretches into which one capture is parted if it is to be its own held-out one, s.
@@ -93,7 +93,7 @@ pub(crate) struct Capture {
     pub(crate) acceleration_noise_share: f64,
     /// Rows of the acceleration that the encoder's steps make, rad/s², where it shows any.
     of_steps_rad_s2: Option<Vec<f64>>,
-    /// What the rows amount to in fully weighted ones.
+    /// Effective number of rows: the number of fully weighted rows that they amount to.
     pub(crate) weight: f64,
     angle_step_rad: f64,
     /// Whether the knob was turned too slowly for its speed to be estimated: then only effects of the angle can be named.

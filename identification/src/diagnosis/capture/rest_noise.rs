@@ -15,8 +15,8 @@ const REST_ROWS: usize = 40;
 
 /// RMS in the rows of the torque's noise while the knob rests; `None` if it hardly ever does.
 ///
-/// A sensor's noise need not be white: what its upper end says of the band below may be wrong, a rest is not. Medians
-/// over parts of the band leave out lines such as hum, which are no noise.
+/// A sensor's noise need not be white, so the upper end of its spectrum may give a wrong density for the band below; a rest does
+/// not. Medians over parts of the band leave out lines such as hum, which are no noise.
 pub(super) fn in_rows_mnm(
     uniform: &Uniform,
     motion: &KnobMotion,
@@ -50,7 +50,7 @@ pub(super) fn in_rows_mnm(
     if count < REST_ROWS {
         return None;
     }
-    // The median of squares of two normal numbers is ln 2 of their mean.
+    // A line's power is the sum of the squares of two normal numbers: its median is ln 2 times its mean.
     let mut densities: Vec<f64> = REST_PARTS
         .windows(2)
         .map(|edges| {
@@ -58,7 +58,7 @@ pub(super) fn in_rows_mnm(
             median(&mut lines.map(|[_, density]| *density).collect::<Vec<f64>>()) / std::f64::consts::LN_2
         })
         .collect();
-    // No noise is redder than a random walk: what is, is a drive that goes on while the knob sticks.
+    // No noise has a redder spectrum than a random walk: a redder one comes from a drive that goes on while the knob sticks.
     let ratio = (REST_PARTS[1] + REST_PARTS[2]) / (REST_PARTS[0] + REST_PARTS[1]);
     densities[0] = densities[0].min(ratio * ratio * densities[1]);
     let parts = REST_PARTS.windows(2).zip(&densities).map(|(edges, density)| (edges[1] - edges[0]) * density);

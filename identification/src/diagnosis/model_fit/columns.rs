@@ -95,7 +95,7 @@ impl Structure {
         (coefficient != 0.0).then(|| (0..motion.angle_rad.len()).map(at).collect())
     }
 
-    /// Writes a friction's leading columns at a sample, of all that it makes or of its Coulomb part; with bristles the latter as these bend.
+    /// Writes a friction's leading columns at a sample, in full or of its Coulomb part only. With bristles, that part follows their deflection.
     fn friction_columns<'a>(
         &self,
         effect: &'a Effect,

@@ -6,7 +6,7 @@ use dynamics::{Coordinate, Curve, Effect, TableUse, TorqueTable, effects};
 
 /// A step moves a zero by at most this share of the distance between two.
 const LARGEST_STEP: f64 = 0.3;
-/// Distance of the detents in a turn from a whole number up to which they repeat after a turn.
+/// The detents repeat after a turn if their number in a turn differs from a whole number by less than this.
 const WHOLE: f64 = 0.15;
 /// Most lobes: two to a detent, of which hardly a knob has more than forty; a motor's cogging has more.
 const MOST_LOBES: usize = 80;
@@ -60,7 +60,7 @@ impl Lobes {
         })
     }
 
-    /// Those of an effect; which heights are equal says what its unit is.
+    /// The lobes of an effect, with the unit that follows from which heights are equal; `None` for an effect without lobes.
     pub(crate) fn of(effect: &Effect) -> Option<Self> {
         if !std::ptr::eq(effect.kind(), &effects::unequal_detents::KIND) {
             return None;

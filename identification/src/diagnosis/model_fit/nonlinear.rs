@@ -81,8 +81,8 @@ impl Tangents {
         (gram, DVector::from_iterator(count, self.rows.iter().map(|tangent| dot(tangent, left))))
     }
 
-    /// Makes them agree with what a step did (C. G. Broyden, *A class of methods for solving nonlinear simultaneous
-    /// equations*, Math. Comp. 19 (1965) 577–593): a step costs one simulation and new derivatives one for each value.
+    /// Updates the derivatives from the residuals before and after a step (C. G. Broyden, *A class of methods for solving nonlinear simultaneous
+    /// equations*, Math. Comp. 19 (1965) 577–593): a step costs one simulation, new derivatives cost one for each value.
     fn update(&mut self, step: &[f64], before: &[f64], after: &[f64]) {
         let length = dot(step, step);
         if length > 0.0 {
@@ -171,7 +171,7 @@ impl<'a> Nonlinear<'a> {
         last(self).zip(last(other)).is_some_and(|(own, others)| own.iter().zip(&others).all(alike))
     }
 
-    /// How finely bodies are simulated for a share of the band: where few rows have to tell all values, a small error would lead to others.
+    /// Resolution of the simulation for a share of the band: full if few rows determine all values, since a small error would change the values.
     fn resolution(&self, share: f64) -> Resolution {
         let capture = self.capture;
         let rows = self.residual.len() / narrowing(share, capture);
@@ -317,7 +317,7 @@ impl<'a> Nonlinear<'a> {
         let mut squares = None;
         let at_bound = effect.free_searches(structure.columns[index]).find(|search| {
             let Some((least, largest)) = search.range_in(&scene) else { return false };
-            // A share ends where the whole does, whatever the capture could show.
+            // A coupling's share is bounded by its definition, not by what the capture could show.
             if matches!(effect.kind().part, Part::Coupling(_)) && effect.kind().parameters[search.parameter].unit == "1"
             {
                 return false;
@@ -416,7 +416,7 @@ fn residuals(structures: &[&Structure], capture: &Capture, resolution: Resolutio
             .flat_map(|model| Model::readings_of_mnm([model], capture.motions(), first_mnm, resolution))
             .collect(),
     });
-    // Hardly any two differ in their delay.
+    // Structures seldom differ in their delay: the target is computed anew only if they do.
     let mut target: Option<(f64, Vec<f64>)> = None;
     let left = |(structure, readings_mnm): (&&Structure, Vec<f64>)| {
         let delay_s = structure.delay_s();

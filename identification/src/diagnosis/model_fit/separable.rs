@@ -138,7 +138,7 @@ impl<'a> Separable<'a> {
         });
     }
 
-    /// Takes coefficients, and makes the rows of them that depend on them.
+    /// Sets the coefficients, and recomputes the rows and the residual that depend on them.
     fn take(&mut self, coefficients: Vec<f64>) {
         self.structure.take(&coefficients);
         if let Some(stop) = self.structure.position(end_stop::KIND.name) {
@@ -154,7 +154,7 @@ impl<'a> Separable<'a> {
         self.coefficients = coefficients;
     }
 
-    /// Rows of the load against the motion.
+    /// Rows of the load's magnitude with the sign of the velocity: the column of friction that grows with the load.
     fn load_rows(&self, coefficients: &[f64]) -> Vec<Vec<f64>> {
         let (capture, ranges) = (self.capture, self.structure.ranges());
         let mut load_mnm = vec![0.0; capture.motion.len()];
@@ -167,7 +167,7 @@ impl<'a> Separable<'a> {
         vec![capture.row_filter.rows(&against.collect::<Vec<_>>())]
     }
 
-    /// Rows of a factor's columns: all that rubs, multiplied by them.
+    /// Rows of a factor's columns, each multiplied by the sum of the friction torques.
     fn factor_rows(&self, factor: usize, coefficients: &[f64]) -> Vec<Vec<f64>> {
         let ranges = self.structure.ranges();
         let mut sums = vec![vec![0.0; self.target.len()]; ranges[factor].len()];
@@ -225,7 +225,7 @@ impl<'a> Separable<'a> {
         self.solve();
     }
 
-    /// Rows of the prediction's derivative by a searched parameter, the target's counted with the other sign.
+    /// Rows of the derivative of prediction minus target by a searched parameter.
     fn tangent(&self, searched: Searched) -> Vec<f64> {
         let value = self.structure.get(searched);
         let delays = matches!(searched, Searched::Skew)

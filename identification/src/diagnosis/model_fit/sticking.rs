@@ -1,10 +1,9 @@
 //! What an inner body bears at rest, where a coupling alone does not explain a capture.
 //!
-//! The sum of squares is a step function of the stick limit, since a body either breaks away or does not: nothing to
-//! differentiate, so levels are tried. They go with the damping of the contact: the cap moves as it was measured and
-//! smoothed, and gives way to a blow neither as fast nor as far as the real one did. So a simulated body rebounds too
-//! far, comes to rest in the middle of its gap and sticks where the real one went on, until more damping makes up for
-//! it.
+//! The sum of squares is a step function of the stick limit, since a body either breaks away or does not. It has no useful
+//! derivative, so levels are tried, together with dampings of the contact: the simulation moves the cap as it was measured
+//! and smoothed, so that the cap yields to a blow neither as fast nor as far as the real one. A simulated body then rebounds
+//! too far, comes to rest in the middle of its gap and sticks where the real one went on. More damping compensates for this.
 
 use dynamics::effects::{backlash, karnopp_stick};
 use dynamics::{Effect, Part};
@@ -24,7 +23,7 @@ const DAMPINGS: [f64; 3] = [1.0, 4.0, 16.0];
 const LARGEST: f64 = 0.99;
 /// Shares of the inertia that may be left.
 const LIGHTER: [f64; 2] = [1.0, 0.25];
-/// Share of the squares that must go for a limit to be looked at further.
+/// If the best trial leaves more than this share of the sum of squares, stick limits are given up.
 const HOPELESS: f64 = 0.9;
 
 /// The fit with the best of the levels, refined from there; `None` where bodies cannot lose touch, and where no level

@@ -165,8 +165,8 @@ fn motion(shaft: &Coupling, outer: f64, delay_s: f64, capture: &Capture) -> Knob
     motion
 }
 
-/// What rows pass behind a shaft: torque at the sensor over torque on the inner inertia, and what makes the noise of both sensors what it is
-/// without the shaft.
+/// Frequency response of the rows behind a shaft: torque at the sensor over torque on the inner inertia, scaled so that the noise of both
+/// sensors has the same power as without the shaft.
 fn response(shaft: &Coupling, inertia: f64, capture: &Capture) -> Response {
     let row_filter = &capture.row_filter;
     let rate_hz = capture.row_rate_hz();
@@ -180,8 +180,8 @@ fn response(shaft: &Coupling, inertia: f64, capture: &Capture) -> Response {
 struct Passed {
     /// Torque at the sensor over torque on the inner inertia.
     torque: Complex<f64>,
-    /// Power of both sensors' noise beside that torque, over that with a stiff shaft: the noise of the angle acts on what the sensor then feels
-    /// of both inertias.
+    /// Power of both sensors' noise beside that torque, relative to that with a stiff shaft. The angle's noise acts through the effective
+    /// inertia of both bodies at the sensor.
     noise_power: f64,
 }
 

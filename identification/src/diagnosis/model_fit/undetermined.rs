@@ -11,7 +11,7 @@ use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::vector;
 
-/// Share of the noise's mean square that what is open of one combination may add to the held-out residual's.
+/// Share of the noise's mean square that the uncertainty of one combination may add to the held-out residual's mean square.
 const OPEN: f64 = 0.1;
 /// Share of each column's square that is added to it, so that collinear ones can be told apart.
 const RIDGE: f64 = 1e-9;

@@ -29,7 +29,7 @@ const HELD: f64 = 1e-3;
 
 /// Columns of the units' heights, and of their places at the present heights; every sample is multiplied by 1 + `more`.
 fn columns_of(lobes: &Lobes, capture: &Capture, more: impl Fn(usize) -> f64 + Sync) -> Vec<Vec<f64>> {
-    // Of the many columns a sample has its part in five: the others are not looked at.
+    // A sample contributes to five of the many columns: only these are visited.
     capture.row_filter.rows_of(2 * lobes.units(), |range, columns| {
         columns.iter_mut().for_each(|column| column.fill(0.0));
         for (row, index) in range.enumerate() {
@@ -80,7 +80,7 @@ fn fitted_anew(structure: &Structure, capture: &Capture, start: impl Fn(Lobes) -
 fn fitted(mut lobes: Lobes, structure: &Structure, index: usize, capture: &Capture) -> Option<(Structure, f64)> {
     let range = structure.ranges()[index].clone();
     let whole = Separable::new(structure.clone(), capture);
-    // What rubs with the load rubs with the detents' torque.
+    // Friction that grows with the load also grows with the detents' torque.
     let load_factor = whole.structure.load_factor(&capture.motion);
     let more = |at: usize| load_factor.as_ref().map_or(0.0, |factor| factor[at]);
     let (mut all, target) = whole.linearised_with(load_factor.as_deref());

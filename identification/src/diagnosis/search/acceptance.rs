@@ -5,7 +5,7 @@ use crate::diagnosis::search::judged::Judged;
 
 /// Evidence that an effect must bring beyond the cost of its freedom, nats: odds of e¹⁰.
 pub(crate) const EVIDENCE: f64 = 10.0;
-/// Standard errors by which stretch after stretch must be explained better.
+/// Mean gain over the stretches, in standard errors, that an effect must exceed.
 const STEADY: f64 = 3.0;
 /// Share of the mean square above the floor that an effect must take away to be worth a name …
 pub(crate) const WORTHWHILE: f64 = 0.28;
@@ -19,7 +19,7 @@ pub(crate) const MOSTLY_NOISE: f64 = 3.0;
 pub(crate) const CLOSED: f64 = 1.12;
 /// RMS in floors above which a residual is clearly louder than noise.
 pub(crate) const OPEN: f64 = 1.6;
-/// RMS in floors above which something is left, if it goes with something.
+/// RMS in floors above which something is left, if the residual depends on a coordinate.
 pub(crate) const LEFT: f64 = 1.3;
 /// Evidence by which rivals must differ not to be a tie, nats: odds of 20 to 1.
 pub(crate) const TIE: f64 = 3.0;
@@ -90,7 +90,7 @@ pub(crate) fn explains_nearly_all(before: &Judged, after: &Judged) -> bool {
     closes(NEARLY_ALL, before, after)
 }
 
-/// Whether it does so in stretch after stretch of the held-out capture: then it is something, however its values' intervals overlap.
+/// [`explains_nearly_all`] in stretch after stretch of the held-out capture: the effect is then real, even if its values' intervals hold zero.
 pub(crate) fn explains_surely(before: &Judged, after: &Judged) -> bool {
     explains_nearly_all(before, after) && after.heldout_p_value(before) < FALSE_DISCOVERIES
 }
@@ -101,7 +101,7 @@ pub(crate) fn explains_the_gap(judged: &Judged, first: &Judged) -> bool {
     leaves_at_most(UNEXPLAINED, judged, first)
 }
 
-/// Whether so little of it is left that a coupling, which costs most, need not be tried in the same place.
+/// Whether so little of the first model's gap is left that a coupling, which costs most, need not be tried in the same place.
 pub(crate) fn explains_most_of_the_gap(judged: &Judged, first: &Judged) -> bool {
     leaves_at_most(MOSTLY_EXPLAINED, judged, first)
 }

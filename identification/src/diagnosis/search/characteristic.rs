@@ -99,7 +99,7 @@ impl Search<'_> {
         Some(best)
     }
 
-    /// The spline that predicts the held-out capture best, if it is better than chance and than its freedom spent on nothing.
+    /// The spline with the most evidence that predicts the held-out capture better than chance and no worse than a null test of the same freedom.
     fn best_characteristic(&self, current: &Judged, found: &Found) -> Option<(Judged, Characteristic)> {
         let present = Separable::new(current.structure.clone(), self.train);
         let mut splines = all_splines(self.train);

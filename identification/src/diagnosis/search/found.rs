@@ -114,7 +114,7 @@ impl Found {
         self.characteristics.last().map_or(self.named(), |(judged, _)| judged)
     }
 
-    /// Whether an effect brought nothing beside a smaller model, which need not be tried again at the cost of a coupling.
+    /// Whether an effect brought nothing when it was tried in the last step: at the cost of a coupling, it need not be tried again.
     pub(crate) fn has_failed(&self, kind: &EffectKind) -> bool {
         let Some(before) = self.steps.len().checked_sub(1) else { return false };
         let failed = |rival: &&Judged| !takes_its_part(self.model_before(before), rival);

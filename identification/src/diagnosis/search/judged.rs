@@ -201,8 +201,8 @@ impl Judged {
         p_value(&other.heldout_residual, &self.heldout_residual)
     }
 
-    /// By how many standard errors this explains stretch after stretch of both captures better than `other`, among the
-    /// stretches in which the two differ at all: an end stop does not act everywhere.
+    /// Mean gain of this structure over `other`, in standard errors, over the stretches of both captures in which the two differ
+    /// at all: an end stop does not act everywhere.
     pub(crate) fn steadily_better_than(&self, other: &Self) -> f64 {
         let mut gains = stretches(&other.train_residual, &self.train_residual);
         gains.extend(stretches(&other.heldout_residual, &self.heldout_residual));
@@ -215,8 +215,8 @@ fn cost(structure: &Structure, train: &Capture, heldout: &Capture) -> f64 {
     0.5 * structure.freedom() as f64 * (train.weight + heldout.weight).ln()
 }
 
-/// Probability that by chance `after` is, stretch after stretch, as much smaller than `before` as it is; one where the two differ
-/// in too few stretches to say.
+/// Probability that chance alone makes `after` as much smaller than `before` as it is, stretch after stretch; 1 if the two differ in
+/// too few stretches.
 pub(crate) fn p_value(before: &[f64], after: &[f64]) -> f64 {
     let gains = where_differing(stretches(before, after));
     gains.map_or(1.0, |gains| student_above(mean_over_error(&gains), (gains.len() - 1) as f64))
@@ -241,8 +241,8 @@ fn stretches(before: &[f64], after: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// What a structure leaves of a capture that it was not fitted to, without what the other capture leaves open; what belongs to a capture is
-/// fitted anew.
+/// Residual of a structure in a capture that it was not fitted to, without the components that the other capture leaves undetermined.
+/// Effects that belong to a capture and not to the knob are fitted anew.
 fn residual_elsewhere(structure: &Structure, capture: &Capture) -> Vec<f64> {
     let mut left = residual_as_fitted(structure, capture);
     capture.leave_undetermined_out(&mut left);

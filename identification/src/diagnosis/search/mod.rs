@@ -40,7 +40,7 @@ const PROMISING: usize = 4;
 /// Other first effects from which the search begins anew.
 const OTHER_STARTS: usize = 2;
 
-/// Share of the held-out torque's square that the model must explain, but for a factor, for that factor to be a unit's.
+/// Share of the held-out torque's mean square that the model, scaled by a factor, must explain for the factor to show a wrong unit.
 const WELL_PREDICTED: f64 = 0.5;
 
 /// Largest skew between torque and motion that is no delay, in samples: channels may be read one after the other.
@@ -159,7 +159,7 @@ impl<'a> Search<'a> {
         found
     }
 
-    /// Goes on without a skew where it is larger than usual; gives what was found before unless that adds a delay.
+    /// If the skew is larger than usual, searches on without it. Returns the result if it has a delay as an effect, else `found`.
     pub(crate) fn with_delay_for_skew(&self, found: Found) -> Found {
         let last = &found.named().structure;
         if last.skew_s.abs() < USUAL_SKEW_SAMPLES / self.train.rate_hz || last.is_coupled() {

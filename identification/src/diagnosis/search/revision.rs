@@ -59,7 +59,7 @@ impl Search<'_> {
             let search = Search { promising: RIVALS * share, ..*self };
             let tried = search.try_replacements(&without);
             let is_better = |rival: &Judged| rival.evidence > last.evidence + TIE;
-            // Settling brings the effect itself so much, and a rival hardly more than twice that.
+            // Settling raises the effect's own evidence from `own` to the last model's, and a rival's by hardly more than twice as much.
             let own = tried.iter().find(|rival| rival.newest() == added).map_or(f64::NEG_INFINITY, |own| own.evidence);
             let promising = own - (last.evidence - own).max(TIE);
             if !tried.iter().any(|rival| is_better(rival) || rival.newest() != added && rival.evidence > promising) {

@@ -98,7 +98,7 @@ impl Search<'_> {
         Some(tried.map(on_shaft).collect())
     }
 
-    /// The best fit with each of the `kinds` more, of so many that there are, and that with unequal detents.
+    /// The best fits with each of the `kinds` added, and the fit with unequal detents. Progress is reported out of `of` effects.
     fn try_separable(&self, kinds: &[&'static EffectKind], of: usize, current: &Judged) -> Vec<Judged> {
         let base = Separable::new(current.structure.clone(), self.train);
         let done = AtomicUsize::new(0);
@@ -213,7 +213,7 @@ impl Search<'_> {
             .map(|parameter| format!("{parameter} stands on the bound of what this capture could show"))
     }
 
-    /// Whether the last effect may as well not be there: the intervals of all that makes its torque hold zero.
+    /// Whether the last effect may be absent: the intervals of all parameters that scale its torque contain zero.
     pub(crate) fn is_nothing(&self, judged: &Judged) -> bool {
         let Some(effect) = judged.structure.effects.last() else { return true };
         let Some(values) = intervals::given_straight_ends(&judged.structure, self.train).pop() else { return true };

@@ -42,7 +42,7 @@ pub(crate) fn forward(
 ) -> Result<ForwardFromCommand, &'static str> {
     let commanded = commanded.ok_or("a capture has no column of commanded torque; captures of a rig have one")?;
     let known = known.ok_or("nothing is known of the rig's motor without a calibration; lay one beside the capture")?;
-    // What the motor's cogging takes, as far as it is known, reaches nothing else.
+    // The torque that the motor's known cogging takes is subtracted from the command.
     let cogging = known.motor_cogging.as_deref().unwrap_or_default();
     let cogging_mnm = |motion: &Motion| cogging.iter().map(|harmonic| harmonic.at_mnm(motion.angle_rad)).sum::<f64>();
     let on_grid = |t_s: &[f64], commanded_mnm: &[f64], capture: &Capture| -> Vec<f64> {

@@ -14,7 +14,7 @@ const BINS: usize = 24;
 const FOLDS: usize = 12;
 /// … each of one stretch; for a map over time, of this many spread over the capture, so that every bin has rows in other parts.
 const STRETCHES_IN_TIME: usize = 6;
-/// Lines on each side that tell how high a spectrum is where one line stands.
+/// Lines on each side of a line from which the level of the spectrum there is estimated.
 const NEIGHBOURS: usize = 40;
 /// Fewest of them on each side.
 const FEWEST_NEIGHBOURS: usize = 8;

@@ -25,8 +25,8 @@ use crate::fit::report::one_sided_friction;
 use crate::numerics::vector::dot;
 use crate::uncertainty::statistics::rank_correlation;
 
-/// RMS in floors above which something is left even if it goes with nothing: where noise is stronger at low frequencies, the rests by which it is
-/// measured are too short to show all of it. Of 34 captures with such noise and nothing hidden, four left 1.6 to 1.8 floors.
+/// RMS in floors above which something is left even if the residual depends on no coordinate. If noise is stronger at low frequencies, the rests
+/// in which it is measured are too short to show all of it. Of 34 captures with such noise and nothing hidden, four left 1.6 to 1.8 floors.
 const CERTAINLY_LEFT: f64 = 2.0;
 /// Correlation of the ranks of time and speed from which their effects cannot be separated.
 const INSEPARABLE: f64 = 0.98;

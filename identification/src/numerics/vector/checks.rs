@@ -38,7 +38,7 @@ pub(crate) fn smallest_step(values: &[f64]) -> f64 {
     steps.map_or(f64::INFINITY, |(least, _)| least)
 }
 
-/// Smallest first and largest second of what `of` makes of pairs; `None` if there is nothing between them.
+/// Smallest first and largest second value that `of` gives for the pairs; `None` unless the first is at most the second.
 #[inline(always)]
 fn extent_of(left: &[f64], right: &[f64], of: impl Fn(f64, f64) -> (f64, f64)) -> Option<(f64, f64)> {
     let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);

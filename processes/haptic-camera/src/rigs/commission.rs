@@ -57,7 +57,7 @@ const TRY_S: f64 = 4.0;
 const ENOUGH_RAD: f64 = 0.05;
 /// Tries that are held against each other.
 const COMPARED: usize = 2;
-/// What the torque follows: slow, so that little of it moves much; and faster, where friction is so small that this moves too much.
+/// Sweeps of the torque: a slow one, which moves the knob far with little torque, and a faster one for rigs that the slow one moves too far.
 const SLOW: &str = "multisine";
 const FAST: &str = "fast-multisine";
 /// How often the knob may leave the permitted range.
@@ -157,9 +157,9 @@ impl fmt::Display for Inertia {
 
 struct Found {
     moved_rad: f64,
-    /// What the motor drives.
+    /// Inertia that the motor drives.
     driven: Inertia,
-    /// What lies behind the torque sensor, if there is one; `Some(None)` where it tells none.
+    /// Inertia behind the torque sensor; `None` without a sensor, `Some(None)` where its torque does not determine the inertia.
     behind: Option<Option<Inertia>>,
     /// Least step of the encoder that was seen, rad.
     angle_step_rad: Option<f64>,

@@ -19,7 +19,7 @@ use crate::outcome::{Outcome, show};
 use crate::replay::ReplayOptions;
 use crate::supervision::{Interrupt, Shown, SupervisedRun, archive_stem};
 
-/// Grip of the hand that turns the knob, in usual ones: one that holds a knob firmly.
+/// Grip of the hand that turns the knob, relative to a usual grip: it holds the knob firmly.
 const GRIP: f64 = 6.0;
 /// Largest amplitude of the sweeps, rad: the paper's.
 const AMPLITUDE_RAD: f64 = 1.0;

@@ -14,7 +14,7 @@ const RIGID_RAD_PER_SUBSTEP: f64 = 0.5;
 const START_RAD: f64 = 1e-6;
 /// Length of a stretch whose largest swing is compared with that of the next, s: several periods of the slowest swing.
 const STRETCH_S: f64 = 0.5;
-/// Stretches until then, in which all but the last swing to calm has calmed.
+/// Number of stretches. The last two are compared: by then all swings but the slowest to decay have died away.
 const STRETCHES: usize = 4;
 /// Inertia of a knob that sticks, and of the heaviest that the gains are for, mNm·s²/rad: to the shaft both are a wall.
 const HEAVIEST: f64 = 2.0;

@@ -182,7 +182,7 @@ impl ControlState {
         self.device_code
     }
 
-    /// Takes the amplifier's being on as given and holds the angle found at the next step.
+    /// Arms the loop, which holds the angle found at the next step. The amplifier must be on.
     pub fn arm(&mut self) {
         if self.state == LoopState::Idle {
             self.enter(LoopState::Armed);

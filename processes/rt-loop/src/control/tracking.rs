@@ -8,7 +8,7 @@ use super::step::ControlPlan;
 
 /// Forward jump of a rig's own clock against the ticks that no stall of a host explains, s. If the clock stands still, nothing is new.
 const CLOCK_JUMP_S: f64 = 0.5;
-/// Times the rig's largest speed at which no knob turns between two readings.
+/// Multiple of the rig's largest speed beyond which a change of the angle between two readings is a jump.
 const JUMP_SPEEDS: f64 = 10.0;
 /// Edge of the published velocity's filter, Hz: the paper's 10th-order Butterworth.
 const VELOCITY_EDGE_HZ: f64 = 500.0;
@@ -95,7 +95,7 @@ impl Tracked {
         self.difference_rad_s
     }
 
-    /// The mean of the same over some time, which the rig's limit holds for.
+    /// The mean of these differences over [`LIMITED_SPEED_OVER_S`], to which the rig's speed limit applies.
     pub(super) fn limited_speed_rad_s(&self) -> f64 {
         self.limited_speed_rad_s
     }

@@ -148,7 +148,7 @@ impl Plan {
             stale_limit: rig.stale_limit,
         };
         if let (None, Drive::Position) = (&request.rendering, drive) {
-            // What inertia a real knob has is not known before it is captured: with more than none the servo has it easier.
+            // A real knob's inertia is unknown before its capture: the motor's stands in for it. Any inertia makes the servo's task easier than none.
             let inertia = simulated_knob.as_ref().map_or(rig.calibration.motor_inertia, Model::inertia);
             check_servo(&control, &rig, inertia, |rate_hz| gains(&rig, request, rate_hz))?;
         }

@@ -90,7 +90,7 @@ struct Shared {
     over: AtomicBool,
 }
 
-/// The end of the thread that is watched.
+/// The side of the watched thread, which says when its calls count.
 #[derive(Debug)]
 pub struct CallWatched(Arc<Shared>);
 
@@ -116,7 +116,7 @@ impl CallWatched {
     }
 }
 
-/// The end of whoever watches.
+/// The side of the watching thread, which counts the calls.
 #[derive(Debug)]
 pub struct CallWatch {
     shared: Arc<Shared>,

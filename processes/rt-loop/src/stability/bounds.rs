@@ -130,7 +130,7 @@ impl Bounds {
         })
     }
 
-    /// The largest value up to which every one on the way is safe, on a ladder of 2 % steps, less the margin.
+    /// The largest value such that every value up to it on a ladder of 2 % steps is safe, less the margin.
     fn largest(&self, from: f64, to: f64, of: impl Fn(f64) -> LinearModel) -> f64 {
         let mut safe = 0.0;
         let mut value = from;

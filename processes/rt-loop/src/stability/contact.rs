@@ -64,10 +64,10 @@ impl Contact {
 
     /// Stiffest that is safe with this damping, mNm/rad, up to `most_mnm_rad`; zero if none is.
     ///
-    /// Over a swing a contact with a gap is to the loop a share of its spring and, alike, of its damper: its describing function,
-    /// from zero where the swing hardly touches to one where the gap does not matter (A. Gelb and W. E. Vander Velde,
-    /// *Multiple-input describing functions and nonlinear system design*, 1968). So every share must be safe, and of a
-    /// shaft the whole alone.
+    /// By its describing function, a contact with a gap acts over a swing as a share of its spring and the same share of its damper:
+    /// from zero, where the swing hardly touches, to one, where the gap does not matter (A. Gelb and W. E. Vander Velde,
+    /// *Multiple-input describing functions and nonlinear system design*, 1968). So every share must be safe; for a shaft, the
+    /// whole alone.
     pub(super) fn stiffest_mnm_rad(&self, port: &Port, hands: &Hands, safety: f64, most_mnm_rad: f64) -> f64 {
         let mut stiffest = most_mnm_rad;
         let mut tried = Self { stiffness_mnm_rad: stiffest / safety, ..*self };

@@ -178,7 +178,7 @@ impl Port {
         self.frequencies_hz().find(|frequency_hz| {
             let omega = std::f64::consts::TAU * frequency_hz;
             let impedance = self.impedance(omega, model);
-            // The softest grip that cancels what is mass-like, and what it dissipates at least.
+            // Stiffness of the softest grip that cancels the loop's mass-like part, and the dampings that such a grip may have.
             let stiffness_mnm_rad = (omega * impedance.im).max(0.0);
             let damping = stiffness_mnm_rad / hands.relaxation_per_s..=hands.damping;
             damping.contains(&-impedance.re)

@@ -19,7 +19,7 @@ const END: f64 = 4.0;
 const DIAMOND: f64 = 5.5;
 /// Round values along the axis.
 const TICKS: usize = 4;
-/// Half widths of the mean's interval, or of the widest capture's, within which a true value widens the axis.
+/// Largest distance of a true value from the mean at which it widens the axis, in half widths of the widest interval.
 const REACH: f64 = 2.0;
 
 /// The plots side by side with their words; `None` if no parameter was estimated twice.

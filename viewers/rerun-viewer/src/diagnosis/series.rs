@@ -23,7 +23,7 @@ const SERIES: [Series; 7] = [
     ("motion", "velocity_rad_s", MEASURED, |row| row.velocity_rad_s),
 ];
 
-/// Longest time between two rows that belong together, in usual ones: where the knob may stick there are none.
+/// Longest time between two rows that a line joins, relative to the usual time: there are no rows where the knob may stick.
 const GAP: f64 = 5.0;
 
 /// Draws the series of a capture, each `<role>/<quantity>/<series>`.

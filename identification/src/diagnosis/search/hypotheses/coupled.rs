@@ -20,7 +20,7 @@ const SLOW: f64 = 0.25;
 const STARTED: usize = 3;
 /// Starts of a coupling that are refined in a thorough search.
 const STARTED_THOROUGHLY: usize = 20;
-/// Share of the squares of slow motion that a coupling must not leave to be looked at in the whole band.
+/// A coupling that leaves at least this share of the squares of slow motion is not examined in the whole band.
 const HOPELESS: f64 = 0.95;
 /// Share by which values and sums of squares may differ of fits that are the same.
 const ALIKE: f64 = 0.01;
@@ -69,7 +69,7 @@ pub(crate) fn fitted<'a>(
         if present.most_over_floor() < OPEN {
             return Some(alone);
         }
-        // An inertia so small that its share stands at the end of the range may be any.
+        // With the outer share at the end of its range, the inner inertia is so small that it could have any value.
         let is_all = |shaft: &Effect| shaft.values()[shaft_compliance::OUTER_SHARE] >= shaft_compliance::LARGEST_SHARE;
         let between = shaft(&effects, &unskewed, [train, heldout])
             .filter(|judged| !judged.structure.effects.last().is_some_and(is_all));

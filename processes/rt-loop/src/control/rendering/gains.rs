@@ -20,8 +20,8 @@ pub struct RenderGains {
     pub slow_edge_hz: f64,
     /// Damping ratio of that filter.
     pub slow_damping: f64,
-    /// Edge below which torques of the angle are those of the rotor's angle and not of the body's, Hz; zero for the body's. A recording without
-    /// it was rendered so.
+    /// Edge frequency below which torques of the angle are taken at the rotor's angle instead of the body's, Hz; zero takes them at the
+    /// body's angle alone, as in recordings without this value.
     #[serde(default)]
     pub place_edge_hz: f64,
     /// Frequency of the notch, Hz.

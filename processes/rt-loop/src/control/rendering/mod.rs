@@ -15,8 +15,8 @@
 //! passively behind it cannot shake it. A coupling alone would give way by torque over stiffness, 21 mrad under the static
 //! friction of a stiff knob. So the slow part of what the torque sensor measures is taken from the hand to the body
 //! directly, and the motor carries it: then the coupling only carries what is fast, and a knob that sticks stands still.
-//! What it gives way all the same is known, and its slow part is added to the angle at which torques of the angle are taken: a spring or
-//! a detent is felt where the rotor is. At the body's angle they would come late, as a negative damping that grows with their stiffness.
+//! The coupling's remaining deflection is known; its slow part is added to the angle at which springs and detents act, so that they are felt
+//! where the rotor is. At the body's angle their torques would come late, which acts as a negative damping that grows with their stiffness.
 //!
 //! - [`RenderedModel`]: a model checked to be one that can be rendered.
 //! - [`Renderer`]: the step.

@@ -39,7 +39,7 @@ impl PassivityObserver {
 
     /// Torque on the rotor that takes back what came out too much, mNm, after the rotor went on by `way_rad`.
     pub(super) fn correction_mnm(&mut self, way_rad: f64, step_s: f64) -> f64 {
-        // What was dissipated long ago is no excuse for what comes out now.
+        // The balance has an upper limit, so that energy dissipated long ago cannot offset energy that comes out now.
         self.balance = (self.balance - self.rendered_mnm * way_rad).min(self.slack);
         let missing = -(self.balance + self.slack);
         if missing <= 0.0 || way_rad == 0.0 {

@@ -56,7 +56,7 @@ impl VirtualKnob {
         if touching && self.is_stuck() { 0.0 } else { (self.cap_rad_s / MOVING_RAD_S).clamp(-1.0, 1.0) }
     }
 
-    /// Goes on by a way that nobody held it on: what sticks stays where it is, and a cap goes on as far as its gap lets it.
+    /// Moves on by the way that the rotor went unheld: a sticking body stays where it is, and a cap moves as far as its gap permits.
     pub(super) fn carry_on(&mut self, way_rad: f64) {
         let before_rad = self.cap_rad - self.inner.angle_rad;
         let half_gap_rad = self.joint.map_or(0.0, |joint| joint.half_gap_rad);
@@ -83,7 +83,7 @@ impl VirtualKnob {
     ) -> f64 {
         self.joint = forces.joint();
         let Some(joint) = self.joint else {
-            // What a joint that became rigid still gave way is below what the encoder tells.
+            // The deflection that remains of a joint that became rigid is below the encoder's resolution.
             self.inner.angle_rad = self.cap_rad;
             let work = self.inner.advance(forces, drive_mnm, given_way_rad, time_s, step_s);
             (self.cap_rad, self.cap_rad_s) = (self.inner.angle_rad, self.inner.velocity_rad_s);
