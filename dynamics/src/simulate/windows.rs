@@ -73,8 +73,8 @@ pub fn forward_windows_from_command(
     commanded_mnm: &[f64],
     window_s: f64,
 ) -> Result<ForwardErrors, SimulationError> {
-    let outer = |inertia| model.coupling().map_or(inertia, |coupling| coupling.inertias(inertia)[0]);
-    let inertia = motor.inertia + outer(model.inertia());
+    let inertia = model.inertia();
+    let inertia = motor.inertia + model.coupling().map_or(inertia, |coupling| coupling.inertias(inertia)[0]);
     let driving = Driving::Commanded { torque_mnm: commanded_mnm, motor, inertia };
     follow(model, motor.inertia, motions, &driving, 0..motions.len(), window_s)
 }

@@ -9,7 +9,7 @@ use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
 
 /// Asks when the frame that was read last came in, by the system clock (socket(7)); the first time, that frames be stamped from now on.
 const SIOCGSTAMPNS: libc::Ioctl = 0x8907;
-/// Who has a frame this much later was stopped, and its devices with it, ns.
+/// A process that reads a frame this much later was stopped, and its devices with it, ns.
 const STOPPED_NS: u64 = 10_000_000;
 
 /// A socket on the interface.
@@ -66,18 +66,17 @@ impl Port {
             libc::recv(self.0.as_raw_fd(), frame.as_mut_ptr().cast(), frame.len(), libc::MSG_DONTWAIT)
         };
         let length = usize::try_from(received).ok()?;
-        let age_ns = Some(self.age_ns()).filter(|age_ns| *age_ns < STOPPED_NS).unwrap_or(0);
-        Some((length, monotonic_time_ns().saturating_sub(age_ns)))
+        Some((length, monotonic_time_ns().saturating_sub(self.age_ns())))
     }
 
-    /// How long ago the frame that was read last came in, ns; 0 where the kernel does not say.
+    /// How long ago the frame that was read last came in, ns; 0 if the kernel does not say, or after a stop of this process.
     fn age_ns(&self) -> u64 {
         let mut stamp = libc::timespec { tv_sec: 0, tv_nsec: 0 };
         // SAFETY: the request writes one struct, which lives beyond the call.
-        match unsafe { libc::ioctl(self.0.as_raw_fd(), SIOCGSTAMPNS, &raw mut stamp) } {
-            0 => wall_clock_time_ns().saturating_sub((stamp.tv_sec * 1_000_000_000 + stamp.tv_nsec).cast_unsigned()),
-            _ => 0,
-        }
+        let is_stamped = unsafe { libc::ioctl(self.0.as_raw_fd(), SIOCGSTAMPNS, &raw mut stamp) } == 0;
+        let stamp_ns = (stamp.tv_sec * 1_000_000_000 + stamp.tv_nsec).cast_unsigned();
+        let age_ns = wall_clock_time_ns().saturating_sub(stamp_ns);
+        if is_stamped && age_ns < STOPPED_NS { age_ns } else { 0 }
     }
 
     /// Sends a frame; one that cannot be sent is lost, as on a cable.

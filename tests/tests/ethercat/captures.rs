@@ -20,9 +20,9 @@ fn read_sooner(text: &str, rate_hz: f64, by: f64) -> String {
     text.replace(torque, &delayed(torque)).replace(acceleration, &delayed(acceleration))
 }
 
-/// Captures that are made at most for one in which the host hardly stalls: when a frame that met a stall passed the devices, nobody knows.
+/// Most captures made to get one in which the host hardly stalls: during a stall it is unknown when the frame passed the devices.
 const ATTEMPTS: usize = 4;
-/// Most ticks, as a share of all, that the loop misses on a host that hardly stalls.
+/// Share of the ticks below which the loop misses them on a host that hardly stalls.
 const HARDLY: f64 = 1e-3;
 
 /// Captures at a rate and fits; gives the capture and its fit's parameters.
