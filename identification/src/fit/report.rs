@@ -102,7 +102,7 @@ impl<'a> Report<'a> {
 
     /// What a reader should know besides.
     fn notes(&self, parameters: &Parameters) -> Vec<String> {
-        let mut notes: Vec<String> = parameters.0.iter().filter_map(negative_friction).collect();
+        let mut notes: Vec<String> = negative_friction(parameters).into_iter().collect();
         notes.extend(one_sided_friction_of(parameters));
         notes.extend(self.misfit.note.clone());
         notes
@@ -346,13 +346,16 @@ impl<'a> Report<'a> {
 }
 
 /// What viscous friction may mean that is surely below zero: a knob does not drive itself.
-fn negative_friction(Parameter { name, ci95, .. }: &Parameter) -> Option<String> {
-    let [_, high] = ci95.filter(|_| name.starts_with("viscous"))?;
-    (high < 0.0).then(|| {
+fn negative_friction(parameters: &Parameters) -> Option<String> {
+    let is_negative = |known: &&Parameter| known.ci95.is_some_and(|[_, high]| high < 0.0);
+    let viscous = parameters.0.iter().filter(|known| known.name.starts_with("viscous"));
+    let names: Vec<&str> = viscous.filter(is_negative).map(|known| known.name).collect();
+    (!names.is_empty()).then(|| {
         format!(
-            "{name} is negative, its whole 95 % interval is: friction that falls as the knob turns faster (Stribeck's), a torque \
+            "{}: negative over the whole 95 % interval; friction that falls as the knob turns faster (Stribeck's), a torque \
              that is late, or a spring or gravity that the model lacks looks like this; diagnose the capture, and calibrate \
-             the delay between torque and motion"
+             the delay between torque and motion",
+            names.join(", ")
         )
     })
 }

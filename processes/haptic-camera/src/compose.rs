@@ -2,14 +2,13 @@
 
 use std::path::PathBuf;
 
-use anyhow::bail;
 use archive::whole_file::Replace;
 use clap::Args;
 use comfy_table::Table;
 use dynamics::{Composition, CompositionError, Model, ModelError, Parts, Role, Source, composition_notes};
 
 use crate::outcome::{UsageError, remark, say};
-use crate::outputs::{is_same, kind, write};
+use crate::outputs::{kind, write};
 use crate::terminal::table;
 
 #[derive(Debug, Args)]
@@ -44,6 +43,26 @@ pub struct ComposeOptions {
     pub overwrite: bool,
 }
 
+impl ComposeOptions {
+    /// The models and tables that parts and values come from; none is lost unless `--overwrite` was given.
+    pub fn sources(&self) -> impl Iterator<Item = &String> {
+        let Self { inertia, friction, detents, extra, from, .. } = self;
+        let parts = [inertia, friction, detents].into_iter().flatten();
+        let sources = parts.chain(extra.iter().map(|(source, _)| source)).chain(from.iter().map(|(_, source)| source));
+        sources.filter(|_| !self.overwrite)
+    }
+
+    /// What the model may replace: an earlier composed model, so that a number can be changed and felt again.
+    pub fn replaced(&self) -> Replace {
+        match Model::load(&self.out) {
+            _ if self.overwrite => Replace::Anything,
+            Ok(_) => kind::COMPOSED_MODEL,
+            // An archive, too, holds the text of a model.
+            Err(_) => Replace::Nothing,
+        }
+    }
+}
+
 /// A parameter and its value.
 pub fn name_and_number(text: &str) -> Result<(String, f64), String> {
     let example = "it must be a parameter and a number, as in detent_amplitude=1.5";
@@ -71,7 +90,6 @@ fn halves(halves: Option<(&str, &str)>) -> Option<(String, String)> {
 /// Composes a model and writes it; parts and values that do not fit are a [`UsageError`].
 pub fn run(options: &ComposeOptions) -> anyhow::Result<()> {
     let sources = Sources::load(options)?;
-    let replaced = replaced(options)?;
     let composed = || {
         let mut composition = sources.parts.composition()?;
         sources.values.iter().try_for_each(|(name, source)| composition.take_parameter(name, source))?;
@@ -82,7 +100,7 @@ pub fn run(options: &ComposeOptions) -> anyhow::Result<()> {
     let of_file = || options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let name = options.name.clone().unwrap_or_else(of_file);
     let model = composition.model(&name, &sources.parts.description());
-    write(&options.out, replaced, &model.to_toml())?;
+    write(&options.out, options.replaced(), &model.to_toml())?;
     say(model.axis.words(&parts_table(&composition, &model).to_string()));
     let (out, count, steepest) = (options.out.display(), model.effects.len(), model.steepest_stiffness_mnm_rad());
     let effects = if count == 1 { "effect" } else { "effects" };
@@ -116,28 +134,6 @@ impl Sources {
             values: from.iter().map(value).collect::<Result<_, ModelError>>()?,
         })
     }
-}
-
-/// What the model may replace: an earlier composed model, so that a number can be changed and felt again. Refuses a place where
-/// something would be lost: a fitted model, a drawn table or a capture is harder to make again.
-fn replaced(options: &ComposeOptions) -> anyhow::Result<Replace> {
-    let out = &options.out;
-    if options.overwrite {
-        return Ok(Replace::Anything);
-    }
-    let shown = out.display();
-    let ComposeOptions { inertia, friction, detents, extra, from, .. } = options;
-    let parts = [inertia, friction, detents].into_iter().flatten();
-    let mut sources = parts.chain(extra.iter().map(|(source, _)| source)).chain(from.iter().map(|(_, source)| source));
-    if sources.any(|source| is_same(source.as_ref(), out)) {
-        bail!("{shown} is itself a source of the model; choose another name for --out, or give --overwrite");
-    }
-    let what = match out.is_file().then(|| Model::load(out)) {
-        Some(Ok(model)) if model.effects.iter().all(|effect| effect.origin().is_none()) => "was not composed",
-        Some(Err(_)) => "is not a model",
-        None | Some(Ok(_)) => return Ok(kind::COMPOSED_MODEL),
-    };
-    bail!("{shown} exists and {what}; choose another name for --out, or give --overwrite")
 }
 
 /// Parameters of one effect beyond which zeros are left out: harmonics that are not there.

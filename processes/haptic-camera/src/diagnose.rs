@@ -1,7 +1,7 @@
 //! `diagnose`: what a model lacks.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 use analysis::{DiagnosisResult, diagnosed_model, refuse_drawn};
 use anyhow::Context as _;
@@ -13,7 +13,7 @@ use serde_json::json;
 
 use crate::command_line::ColumnOptions;
 use crate::outputs::{ResultFiles, kind, show_on, write_if_asked};
-use crate::supervision::program_path;
+use crate::supervision::bare_program;
 use crate::{diagnosis_text, load, terminal};
 
 #[derive(Debug, Args)]
@@ -89,13 +89,7 @@ fn record(
     let folder = tempfile::tempdir().context("the recording's rows cannot be stored")?;
     let json = folder.path().join("diagnosis.json");
     std::fs::write(&json, serde_json::to_vec(&recording)?).context("the recording's rows cannot be written")?;
-    let program = program_path("rerun-viewer")?;
-    anyhow::ensure!(
-        program.exists(),
-        "the program {} is missing, which writes recordings; build the whole workspace",
-        program.display()
-    );
-    let ended = Command::new(program)
+    let ended = bare_program("rerun-viewer")?
         .args([Path::new("diagnosis"), &json, Path::new("--out"), path])
         .stdin(Stdio::null())
         .stdout(Stdio::null())

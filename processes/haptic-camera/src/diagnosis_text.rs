@@ -1,14 +1,12 @@
 //! A diagnosis as text for a terminal.
 
-use std::ops::Range;
-
-use comfy_table::{ContentArrangement, Table};
+use comfy_table::Table;
 use dynamics::effects;
 use identification::diagnosis::{
     Characteristic, Diagnosis, FLOOR_IS_DOUBTFUL, FORWARD_WINDOW_S, Location, Step, Value, Verdict,
 };
 
-use crate::terminal::{self, WIDTH, paragraph};
+use crate::terminal::{self, digits, interval, paragraph, table};
 
 /// Coordinates that are named.
 const NAMED: usize = 3;
@@ -129,10 +127,8 @@ fn parameters(steps: &[Step]) -> Table {
         let mut ordered: Vec<_> = step.parameters.iter().collect();
         ordered.sort_by_key(|(name, _)| place(name));
         ordered.into_iter().map(|(name, value)| {
-            let digits = decimals(value.ci95.map_or(0.01 * value.value, |[low, high]| high - low));
-            let interval =
-                value.ci95.map_or_else(|| "–".to_owned(), |[low, high]| format!("{low:.digits$} … {high:.digits$}"));
-            [*name, &format!("{:.digits$}", value.value), &interval, value.unit].map(str::to_owned)
+            let digits = digits(value.ci95.map_or(0.01 * value.value.abs(), |[low, high]| high - low));
+            [*name, &format!("{:.digits$}", value.value), &interval(value.ci95, digits), value.unit].map(str::to_owned)
         })
     });
     table(["parameter", "value", "95 % interval", "unit"], 1..3, rows)
@@ -141,7 +137,7 @@ fn parameters(steps: &[Step]) -> Table {
 fn detents(step: &Step) -> Table {
     let cell = |value: &Value, factor: f64| {
         let half = value.ci95.map(|[low, high]| 0.5 * factor * (high - low));
-        let digits = decimals(half.unwrap_or(0.01));
+        let digits = digits(half.unwrap_or(0.01));
         let interval = half.map_or_else(String::new, |half| format!(" ± {half:.digits$}"));
         format!("{:.digits$}{interval}", factor * value.value)
     };
@@ -150,19 +146,4 @@ fn detents(step: &Step) -> Table {
         [cell(&detent.rest, degrees), cell(&detent.pitch, degrees), cell(&detent.peak, 1.0), cell(&detent.trough, 1.0)]
     });
     table(["rest, °", "pitch, °", "peak, mNm", "trough, mNm"], 0..4, rows)
-}
-
-/// Decimals that show two or three digits of an interval's width.
-fn decimals(width: f64) -> usize {
-    terminal::decimals(width, 2.0, [0.0, 12.0])
-}
-
-fn table<const COLUMNS: usize>(
-    header: [&str; COLUMNS],
-    right: Range<usize>,
-    rows: impl Iterator<Item = [String; COLUMNS]>,
-) -> Table {
-    let mut table = terminal::table(header, right, rows);
-    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
-    table
 }

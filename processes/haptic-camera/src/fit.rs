@@ -231,7 +231,8 @@ fn repeatability_table(average: &Average) -> Table {
     table(header, 1..shown + 4, average.fit.parameters.0.iter().filter_map(row))
 }
 
-fn agreement_line(agreement: Agreement) -> String {
+/// Whether captures agree.
+pub fn agreement_line(agreement: Agreement) -> String {
     let words = if agreement.agrees() { "agree within" } else { "differ by more than" };
     format!(
         "the captures {words} their intervals: chi-squared {:.1} over {} degrees of freedom (p = {:.2e}), Birge ratio {:.2}",

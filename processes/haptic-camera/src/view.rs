@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use clap::Args;
 
-use crate::supervision::program_path;
+use crate::supervision::bare_program;
 
 #[derive(Debug, Args)]
 pub struct ViewOptions {
@@ -23,7 +23,7 @@ pub struct ViewOptions {
 
 /// Replaces this process by the viewer, which then receives Ctrl-C itself and gives its own exit status.
 pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
-    let mut command = std::process::Command::new(program_path("rerun-viewer")?);
+    let mut command = bare_program("rerun-viewer")?;
     command.arg(if options.native { "--native" } else { "--web" });
     if options.remote {
         command.arg("--remote");

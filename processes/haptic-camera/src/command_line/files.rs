@@ -78,14 +78,19 @@ impl Command {
             Self::List(options) => files.writing(&options.json, kind::JSON),
             Self::Recompute(options) => files.reading([&options.capture]).writing(&options.json, kind::JSON),
             Self::Recover(options) => files.reading([&options.broken]).writing(&options.out, kind::DATA),
-            Self::Rig(RigCommand::Check(options)) => files.reading([&options.file]).writing(&options.json, kind::JSON),
-            // `compose` checks its own output, because of `--overwrite`; `man` writes into a folder.
-            Self::Compose(_)
-            | Self::Man(_)
+            Self::Rig(RigCommand::Check(options)) => {
+                files.reading([&options.rig.file]).writing(&options.json, kind::JSON)
+            }
+            Self::Rig(RigCommand::Commission(options)) => files.writing(options.written(), options.replaced()),
+            Self::Rig(RigCommand::New(options)) => files.writing(&options.out, kind::DATA),
+            Self::Rig(RigCommand::Scan(options)) => files.writing(&options.out, kind::DATA),
+            Self::Compose(options) => files.reading(options.sources()).writing(&options.out, options.replaced()),
+            // `man` writes into a folder.
+            Self::Man(_)
             | Self::Tune(_)
             | Self::View(_)
             | Self::Doctor(_)
-            | Self::Rig(_)
+            | Self::Rig(RigCommand::List)
             | Self::Completions(_) => files,
         }
     }

@@ -5,6 +5,7 @@ use identification::statistics::half_width;
 use report::{ComparedKnob, ComparedQuality, ComparedValue, Comparison};
 use sheet::perception::PerceivedDifference;
 
+use crate::fit::agreement_line;
 use crate::terminal::{self, WIDTH, by_reason, decimals, digits, paragraph};
 
 /// Digits of a value without an interval, and of one that the paper prints.
@@ -117,10 +118,7 @@ fn significant(value: f64, digits: f64) -> String {
 fn origins(knob: &ComparedKnob) -> Vec<String> {
     let captures = knob.captures.iter().map(|capture| format!("    {}  {}", capture.number, capture.facts.source));
     let from = knob.model_file.as_ref().map_or_else(|| captures.collect(), |file| vec![format!("    {file}")]);
-    let agreement = knob.agreement.map(|agreement| {
-        let words = if agreement.agrees() { "agree within" } else { "differ by more than" };
-        format!("    the captures {words} their intervals: Birge ratio {:.2}", agreement.birge_ratio)
-    });
+    let agreement = knob.agreement.map(|agreement| format!("    {}", agreement_line(agreement)));
     let reasons = by_reason(knob.parameters.iter().filter_map(|(name, own)| Some((*name, own.reason.as_deref()?))));
     let notes = reasons.iter().chain(&knob.notes).map(|note| format!("  - {note}"));
     [knob.name.clone()].into_iter().chain(from).chain(agreement).chain(notes).collect()

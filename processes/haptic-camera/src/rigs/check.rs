@@ -7,7 +7,7 @@ use clap::Args;
 use dynamics::Axis;
 use hal::RigFile;
 
-use super::torque_request;
+use super::RigFileOptions;
 use crate::command_line::RigOptions;
 use crate::outcome::{Outcome, remark, show};
 use crate::outputs::write_json;
@@ -17,12 +17,8 @@ use crate::{load, rig_run};
 
 #[derive(Debug, Args)]
 pub struct RigCheckOptions {
-    /// The rig's file
-    #[arg(value_name = "FILE.toml")]
-    pub file: PathBuf,
-    /// Samples per second [default: the fastest that the file permits]
-    #[arg(long, allow_negative_numbers = true)]
-    pub rate_hz: Option<f64>,
+    #[command(flatten)]
+    pub rig: RigFileOptions,
     /// Duration, s
     #[arg(long, default_value_t = 3.0, allow_negative_numbers = true)]
     pub duration_s: f64,
@@ -34,13 +30,13 @@ pub struct RigCheckOptions {
 pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
     let interrupt = Interrupt::listen()?;
     let folder = tempfile::tempdir()?;
-    let request = torque_request(&options.file, options.rate_hz, options.duration_s)?;
+    let request = options.rig.torque_request(options.duration_s)?;
     let rig = RigOptions { request: request.rig.clone(), offline: false, captures_in: folder.path().to_owned() };
     let (archive, _) = rig_run::archive(request, &rig, "rig-check", &interrupt)?;
     let capture = load::load(&archive)?.capture;
     let axis = capture.axis;
     let mut found = RigCheck::of(&capture);
-    found.doubts.extend(doubts(&RigFile::load(&options.file)?)?);
+    found.doubts.extend(doubts(&RigFile::load(&options.rig.file)?)?);
     show(lines(&found, axis));
     write_json(axis, &options.json, &found)?;
     found.doubts.iter().chain(&found.amiss).for_each(|told| remark(axis.words(told)));

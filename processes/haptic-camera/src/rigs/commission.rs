@@ -5,7 +5,7 @@
 //! lies behind the sensor. Signs, inertia and the encoder's step follow, and go into the rig's file.
 
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Context as _;
 use archive::whole_file::Replace;
@@ -18,22 +18,18 @@ use rt_loop::request::RunRequest;
 use shared_types::Fault;
 use toml_edit::{DocumentMut, Item, Value};
 
-use super::torque_request;
+use super::RigFileOptions;
 use crate::command_line::RigOptions;
 use crate::outcome::{Outcome, remark, say};
-use crate::outputs::write;
+use crate::outputs::{is_same, write};
 use crate::supervision::{EndedInFault, Interrupt};
 use crate::terminal::digits;
 use crate::{load, rig_run};
 
 #[derive(Debug, Args)]
 pub struct RigCommissionOptions {
-    /// The rig's file
-    #[arg(value_name = "FILE.toml")]
-    pub file: PathBuf,
-    /// Samples per second [default: the fastest that the file permits]
-    #[arg(long, allow_negative_numbers = true)]
-    pub rate_hz: Option<f64>,
+    #[command(flatten)]
+    pub rig: RigFileOptions,
     /// Largest torque to try, mNm, or force, N [default: a third of the limit]
     #[arg(long, value_name = "MNM", allow_negative_numbers = true)]
     pub most_torque: Option<f64>,
@@ -43,6 +39,18 @@ pub struct RigCommissionOptions {
     /// Folder for the captures
     #[arg(long, default_value = "captures", value_name = "DIR")]
     pub captures_in: PathBuf,
+}
+
+impl RigCommissionOptions {
+    /// The file that the results are written into.
+    pub fn written(&self) -> &PathBuf {
+        self.out.as_ref().unwrap_or(&self.rig.file)
+    }
+
+    /// What they may replace: the rig's own file; elsewhere nothing may lie there.
+    pub fn replaced(&self) -> Replace {
+        if is_same(self.written(), &self.rig.file) { Replace::Anything } else { Replace::Nothing }
+    }
 }
 
 /// First torque, as a share of the most that is tried.
@@ -70,7 +78,7 @@ const VAGUE_SHARE: f64 = 0.2;
 /// Turns the rig, more with every try, until its inertia is known, and writes it into the rig's file.
 pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     let interrupt = Interrupt::listen()?;
-    let request = torque_request(&options.file, options.rate_hz, TRY_S)?;
+    let request = options.rig.torque_request(TRY_S)?;
     let file = rt_loop::rigs::file(&request.rig)?;
     let limit_mnm = file.limits.map(|limits| limits.motor_torque_mnm);
     let most_mnm = options.most_torque.or(limit_mnm.map(|limit_mnm| MOST_SHARE * limit_mnm));
@@ -224,7 +232,7 @@ fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> 
         )));
         return Ok(Outcome::Failed);
     }
-    let path: &Path = options.out.as_deref().unwrap_or(&options.file);
+    let path = options.written();
     let has_sensor = last.behind.is_some();
     let before = file.calibration()?.map(|known| known.motor_inertia).filter(|_| has_sensor);
     if let Some(before) = before.filter(|before| !(before / DIFFERENT..DIFFERENT * before).contains(&motor.value)) {
@@ -234,7 +242,7 @@ fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> 
         )));
     }
     let known = [("motor_inertia", has_sensor.then_some(motor.value)), ("angle_step_rad", last.angle_step_rad)];
-    enter(&options.file, path, axis, known)?;
+    enter(options, axis, known)?;
     // Without a sensor nothing tells what was on the gripper.
     let (done, condition) = if has_sensor { ("written ", "") } else { ("write   ", ", if nothing was on the gripper") };
     say(format!("{done} motor_inertia = {motor} under [calibration] of {}{condition}", path.display()));
@@ -278,13 +286,12 @@ fn inertia(loaded: &LoadedCapture, torque_mnm: &[f64]) -> Option<Inertia> {
 /// What a commissioning finds out, by its name in a calibration.
 type Known = [(&'static str, Option<f64>); 2];
 
-/// Enters what is known of a rig into its file `file`, as `path`: its numbers change, its comments stay.
-fn enter(file: &Path, path: &Path, axis: Axis, known: Known) -> anyhow::Result<()> {
+/// Enters what is known of a rig into its file: its numbers change, its comments stay.
+fn enter(options: &RigCommissionOptions, axis: Axis, known: Known) -> anyhow::Result<()> {
+    let file = &options.rig.file;
     let text = std::fs::read_to_string(file).with_context(|| format!("{} cannot be read", file.display()))?;
     let changed = with(&text, axis, known).with_context(|| format!("{} is not changed", file.display()))?;
-    // In its place it is the file that was read; elsewhere nothing may lie there.
-    let may_replace = if path == file { Replace::Anything } else { Replace::Nothing };
-    write(path, may_replace, &changed)
+    write(options.written(), options.replaced(), &changed)
 }
 
 /// The text of a rig file with what is known in it.

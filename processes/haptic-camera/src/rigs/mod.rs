@@ -3,7 +3,7 @@
 mod check;
 mod commission;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Stdio;
 use std::sync::atomic::Ordering;
 
@@ -30,6 +30,16 @@ pub enum RigCommand {
     Scan(RigScanOptions),
     /// Turn a rig for the first time, with little torque: signs, scales, inertia
     Commission(RigCommissionOptions),
+}
+
+#[derive(Debug, Args)]
+pub struct RigFileOptions {
+    /// The rig's file
+    #[arg(value_name = "FILE.toml")]
+    pub file: PathBuf,
+    /// Samples per second [default: the fastest that the file permits]
+    #[arg(long, allow_negative_numbers = true)]
+    pub rate_hz: Option<f64>,
 }
 
 #[derive(Debug, Args)]
@@ -107,12 +117,14 @@ fn scan(options: &RigScanOptions) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// A run that commands torques on the rig of a file: zero, unless the caller sets others.
-fn torque_request(file: &Path, rate_hz: Option<f64>, duration_s: f64) -> anyhow::Result<RunRequest> {
-    let rig = RigRequest { rig: Some(PathBuf::from(file)), ..RunRequest::default().rig };
-    let described = rt_loop::rigs::file(&rig)?;
-    let fastest_hz = described.rates.map(|rates| rates.fastest_hz).or(described.limits.map(|limits| limits.rate_hz));
-    let rate_hz = rate_hz.or(fastest_hz).unwrap_or(USUAL_RATE_HZ);
-    let request = rig_run::request("none", "hold", duration_s, Pace { rate_hz, core: None }, rig);
-    Ok(RunRequest { torque: true, ..request })
+impl RigFileOptions {
+    /// A run that commands torques on the rig: zero, unless the caller sets others.
+    fn torque_request(&self, duration_s: f64) -> anyhow::Result<RunRequest> {
+        let rig = RigRequest { rig: Some(self.file.clone()), ..RunRequest::default().rig };
+        let file = rt_loop::rigs::file(&rig)?;
+        let fastest_hz = file.rates.map(|rates| rates.fastest_hz).or(file.limits.map(|limits| limits.rate_hz));
+        let rate_hz = self.rate_hz.or(fastest_hz).unwrap_or(USUAL_RATE_HZ);
+        let request = rig_run::request("none", "hold", duration_s, Pace { rate_hz, core: None }, rig);
+        Ok(RunRequest { torque: true, ..request })
+    }
 }

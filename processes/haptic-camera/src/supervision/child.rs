@@ -13,9 +13,7 @@ use crate::outcome::is_output_json;
 
 /// The command that starts one of our programs, which lie beside this one, for as long as this one lives.
 pub(crate) fn program(name: &str) -> anyhow::Result<Command> {
-    let path = program_path(name)?;
-    anyhow::ensure!(path.exists(), "the program {} is missing; build the whole workspace", path.display());
-    let mut command = Command::new(path);
+    let mut command = bare_program(name)?;
     // A Ctrl-C at the terminal reaches this program alone, which then ends the run in order.
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
     lease::grant(&mut command);
@@ -27,6 +25,13 @@ pub(crate) fn program(name: &str) -> anyhow::Result<Command> {
         command.env("NO_COLOR", "1");
     }
     Ok(command)
+}
+
+/// The command that starts one of our programs and no more.
+pub(crate) fn bare_program(name: &str) -> anyhow::Result<Command> {
+    let path = program_path(name)?;
+    anyhow::ensure!(path.exists(), "the program {} is missing; build the whole workspace", path.display());
+    Ok(Command::new(path))
 }
 
 /// Where one of our programs lies: beside this one.

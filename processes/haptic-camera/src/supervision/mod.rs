@@ -23,7 +23,7 @@ use crate::outcome::{Outcome, remark, say};
 use crate::until_ci::{Share, StopRule, estimate_of};
 use crate::{large_job, offline_run};
 use child::Child;
-pub(crate) use child::{program, program_path};
+pub(crate) use child::{bare_program, program, program_path};
 use consumers::Consumers;
 pub(crate) use interrupt::Interrupt;
 use loop_link::LoopLink;

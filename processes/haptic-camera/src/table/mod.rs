@@ -7,7 +7,6 @@ mod journal;
 
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::time::UNIX_EPOCH;
 
@@ -15,6 +14,8 @@ use analysis::{Row, load_specification};
 use anyhow::{Context as _, ensure};
 use clap::Args;
 use indicatif::ProgressBar;
+use rayon::ThreadPoolBuilder;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sheet::Specification;
 
@@ -71,32 +72,19 @@ fn add_rows(
     journal: &mut Journal<'_>,
     bar: &ProgressBar,
 ) -> anyhow::Result<()> {
-    let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
-    // A thread waits while the journal is slower than it.
+    let pool = ThreadPoolBuilder::new().num_threads(jobs).build()?;
+    // A thread waits while the journal is slower than it, and ends once the journal takes no more.
     let (sender, receiver) = sync_channel(jobs);
-    std::thread::scope(|scope| {
-        for _ in 0..jobs {
-            let sender = sender.clone();
-            let (next, stopped) = (&next, &stopped);
-            scope.spawn(move || {
-                while !stopped.load(Ordering::Relaxed)
-                    && let Some(file) = left.get(next.fetch_add(1, Ordering::Relaxed))
-                {
-                    if sender.send((*file, Row::of(&file.path, specification))).is_err() {
-                        break;
-                    }
-                }
-            });
-        }
-        drop(sender);
-        for (file, row) in receiver {
-            if let Err(error) = journal.add(file, &row) {
-                stopped.store(true, Ordering::Relaxed);
-                return Err(error);
-            }
+    pool.in_place_scope(|scope| {
+        scope.spawn(move |_| {
+            let rows = left.par_iter().map(|file| (*file, Row::of(&file.path, specification)));
+            drop(rows.try_for_each_with(sender, |sender, row| sender.send(row)));
+        });
+        receiver.into_iter().try_for_each(|(file, row)| {
+            journal.add(file, &row)?;
             bar.inc(1);
-        }
-        Ok(())
+            Ok(())
+        })
     })
 }
 

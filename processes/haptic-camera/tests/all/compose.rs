@@ -83,9 +83,8 @@ fn nothing_but_a_composed_model_is_written_over() {
     composed(folder.path(), "--inertia 1 --out mix.toml");
     let mix = std::fs::read_to_string(path("mix.toml")).unwrap();
     for (arguments, expected) in [
-        ("--inertia 1 --out fitted.toml", "fitted.toml exists and was not composed"),
-        ("--inertia 1 --out drawn.csv", "drawn.csv exists and is not a model"),
-        ("--inertia mix.toml --detents 3 --out ./mix.toml", "./mix.toml is itself a source of the model"),
+        ("--inertia 1 --out fitted.toml", "fitted.toml is an existing file, not an earlier output of the same kind"),
+        ("--inertia 1 --out drawn.csv", "drawn.csv is there already"),
         ("--inertia 1 --out nowhere/mix.toml", "nowhere/mix.toml cannot be written"),
         ("--inertia 7 --out new.toml", "there is no shipped knob 7; choose 1 to 5 or give a model file"),
         ("--inertia lost.toml --out new.toml", "the model file lost.toml cannot be read"),
@@ -95,8 +94,13 @@ fn nothing_but_a_composed_model_is_written_over() {
         assert!(error.starts_with("error: ") && error.contains(expected) && status == 1, "{arguments}: {error}");
     }
     // A failure leaves what was there.
-    let (_, status) = refused(folder.path(), "--inertia 2 --set inertia=-1 --out mix.toml");
-    assert_eq!(status, 2);
+    for (arguments, expected) in [
+        ("--inertia 2 --set inertia=-1 --out mix.toml", "inertia"),
+        ("--inertia mix.toml --detents 3 --out ./mix.toml", "./mix.toml is also an input"),
+    ] {
+        let (error, status) = refused(folder.path(), arguments);
+        assert!(error.contains(expected) && status == 2, "{arguments}: {error}");
+    }
     let now = |name: &str| std::fs::read_to_string(path(name)).unwrap();
     assert_eq!((now("mix.toml"), now("fitted.toml"), now("drawn.csv")), (mix, fitted, DRAWN.to_owned()));
     assert!(!path("new.toml").exists());
