@@ -134,7 +134,7 @@ impl Shown {
         let counted = count_detents(&samples);
         let [static_negative, static_positive] = Threshold::of(loaded, model)?;
         Ok(Self {
-            capture: title(loaded),
+            capture: loaded.title(),
             no_detents: counted.as_ref().err().map(ToString::to_string),
             detents: counted.ok(),
             static_negative,

@@ -75,7 +75,7 @@ pub fn diagnosed_model(found: &Diagnosis, captures: &[&LoadedCapture]) -> Model 
     let axis = captures[0].capture.axis;
     let sources: Vec<String> = captures.iter().map(|one| one.capture.source.display().to_string()).collect();
     Model {
-        name: title(captures[0]),
+        name: captures[0].title(),
         description: format!("diagnosed from {}: {}", sources.join(", "), axis.words(&found.summary)),
         effects: found.model.effects.iter().map(|effect| effect.without_origin()).collect(),
         axis,

@@ -4,22 +4,6 @@ use identification::Fit;
 use loaded_capture::LoadedCapture;
 use report::{CaptureFacts, FigureNumbers, FitPage};
 
-/// What to call it in tables and on pages.
-#[must_use]
-pub fn title(loaded: &LoadedCapture) -> String {
-    let file = file_name(loaded);
-    let title = match &loaded.capture.description {
-        Some(description) => format!("Knob {} ({file})", description.knob),
-        None => file,
-    };
-    // Either may hold anything of any length.
-    foreign_files::one_line(&title)
-}
-
-fn file_name(loaded: &LoadedCapture) -> String {
-    loaded.capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
-}
-
 /// The report page of a fit of this capture, with the numbers in its captions.
 #[must_use]
 pub fn fit_page(loaded: &LoadedCapture, fit: &Fit) -> (String, FigureNumbers) {
@@ -33,8 +17,8 @@ pub fn fit_page(loaded: &LoadedCapture, fit: &Fit) -> (String, FigureNumbers) {
 pub fn facts(loaded: &LoadedCapture) -> CaptureFacts {
     let capture = &loaded.capture;
     let facts = CaptureFacts {
-        title: title(loaded),
-        source: file_name(loaded),
+        title: loaded.title(),
+        source: loaded.file_name(),
         rate_hz: capture.rate_hz,
         duration_s: capture.tick.last().map_or(0.0, |tick| (tick + 1) as f64 / capture.rate_hz),
         samples: capture.len() as u64,

@@ -100,6 +100,6 @@ pub fn common_truth<'a>(loaded: &[&'a LoadedCapture]) -> Option<&'a Model> {
 /// What several captures together are called.
 #[must_use]
 pub fn titles(loaded: &[&LoadedCapture]) -> String {
-    let titles: Vec<String> = loaded.iter().map(|one| title(one)).collect();
+    let titles: Vec<String> = loaded.iter().map(|one| one.title()).collect();
     titles.join(" and ")
 }

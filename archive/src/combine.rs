@@ -170,14 +170,14 @@ impl<W: Write + Seek> Combiner<W> {
         Ok(())
     }
 
-    /// Takes an item that is not a message.
-    pub(crate) fn other(&mut self, item: Item) -> Result<(), ArchiveError> {
+    /// Takes an attachment or a metadata record.
+    pub(crate) fn take_record(&mut self, item: Item) -> Result<(), ArchiveError> {
         match item {
             Item::Message(_) => Ok(()),
             Item::Attachment { name, media_type, log_time, content } => {
                 self.attachment(name, &media_type, log_time, content)
             }
-            // The run's description is used instead: it has a checksum, and this record has none.
+            // A metadata record has no checksum; the run's description, which says the same, has one.
             Item::Metadata(metadata) if self.run.is_some() && metadata.name == CAPTURE_METADATA => Ok(()),
             Item::Metadata(metadata) if metadata.name == GAPS_METADATA => {
                 let gaps = metadata.metadata.get("gaps").and_then(|text| serde_json::from_str::<Vec<Gap>>(text).ok());
@@ -224,7 +224,7 @@ pub(crate) fn advance<R: Read, W: Write + Seek>(
             None => return Ok(None),
             Some(Item::Message(message)) if message.seq.is_some() => return Ok(Some(message)),
             Some(Item::Message(message)) => combiner.message(&message, source.body(&message))?,
-            Some(other) => combiner.other(other)?,
+            Some(record) => combiner.take_record(record)?,
         }
     }
 }

@@ -23,8 +23,8 @@ pub fn visible(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// The text as one line of bounded length, with every character shown that a terminal would obey; of a longer one the
-/// beginning and the end, which says what to do.
+/// The text as one line of bounded length, with control characters made visible. Of a longer text the beginning and the end
+/// are kept: the end of a message says what to do.
 #[must_use]
 pub fn one_line(text: &str) -> String {
     let words = text.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -67,7 +67,25 @@ impl LoadedCapture {
         Self::load_chosen(path, None)
     }
 
-    /// The same of a table or a measurement whose columns were chosen.
+    /// The capture's title in tables and on pages: its knob, where that is known, and its file.
+    #[must_use]
+    pub fn title(&self) -> String {
+        let file = self.file_name();
+        let title = match &self.capture.description {
+            Some(description) => format!("Knob {} ({file})", description.knob),
+            None => file,
+        };
+        // Names of knobs and files are of any length.
+        foreign_files::one_line(&title)
+    }
+
+    /// The capture's file, without its folder.
+    #[must_use]
+    pub fn file_name(&self) -> String {
+        self.capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+    }
+
+    /// The same as [`load`](Self::load), of a table or a measurement whose columns were chosen.
     ///
     /// # Errors
     /// [`LoadError`], one sentence on what is wrong with a file.

@@ -310,7 +310,7 @@ impl Capture {
 
     fn __repr__(&self) -> String {
         let capture = &self.loaded.capture;
-        format!("<Capture {}: {} samples at {} Hz>", analysis::title(&self.loaded), capture.len(), capture.rate_hz)
+        format!("<Capture {}: {} samples at {} Hz>", self.loaded.title(), capture.len(), capture.rate_hz)
     }
 
     /// Arrow's C interface: the types of the columns, with their units.

@@ -124,15 +124,15 @@ struct Window<'model> {
     /// The motion predicted so far.
     reached: Motion,
     samples: usize,
-    angle_squares: f64,
-    velocity_squares: f64,
+    squared_angle_errors: f64,
+    squared_velocity_errors: f64,
 }
 
 impl<'model> Window<'model> {
     fn new(simulation: ForwardSimulation<'model>, motion: &Motion, torque_mnm: f64) -> Self {
         let reached = simulation.motion(torque_mnm);
-        let (angle_squares, velocity_squares) = (0.0, 0.0);
-        Self { simulation, start_s: motion.time_s, reached, samples: 0, angle_squares, velocity_squares }
+        let (squared_angle_errors, squared_velocity_errors) = (0.0, 0.0);
+        Self { simulation, start_s: motion.time_s, reached, samples: 0, squared_angle_errors, squared_velocity_errors }
     }
 
     /// Predicts the motion at the next sample and compares.
@@ -144,8 +144,8 @@ impl<'model> Window<'model> {
             self.reached = self.simulation.motion(then_mnm);
         }
         self.samples += 1;
-        self.angle_squares += (self.reached.angle_rad - measured.angle_rad).powi(2);
-        self.velocity_squares += (self.reached.velocity_rad_s - measured.velocity_rad_s).powi(2);
+        self.squared_angle_errors += (self.reached.angle_rad - measured.angle_rad).powi(2);
+        self.squared_velocity_errors += (self.reached.velocity_rad_s - measured.velocity_rad_s).powi(2);
         Ok(())
     }
 }
@@ -156,14 +156,14 @@ impl ForwardErrors {
         let each = |window: &Window| WindowErrors {
             start_s: window.start_s,
             samples: window.samples,
-            angle_rms_rad: rms(window.angle_squares, window.samples),
-            velocity_rms_rad_s: rms(window.velocity_squares, window.samples),
+            angle_rms_rad: rms(window.squared_angle_errors, window.samples),
+            velocity_rms_rad_s: rms(window.squared_velocity_errors, window.samples),
         };
         let samples = used().map(|window| window.samples).sum();
         Self {
             windows: used().map(each).collect(),
-            angle_rms_rad: rms(used().map(|window| window.angle_squares).sum(), samples),
-            velocity_rms_rad_s: rms(used().map(|window| window.velocity_squares).sum(), samples),
+            angle_rms_rad: rms(used().map(|window| window.squared_angle_errors).sum(), samples),
+            velocity_rms_rad_s: rms(used().map(|window| window.squared_velocity_errors).sum(), samples),
         }
     }
 }

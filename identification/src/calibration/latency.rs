@@ -169,7 +169,7 @@ fn torque_relation(
         derivatives[*place] = 1.0;
         solved.coefficients[*place].abs() > SIGNIFICANT * solved.half_width(&derivatives)
     };
-    // Where there is none, its columns would only widen the interval.
+    // Columns of a friction that is not significant would only widen the interval.
     if !places.iter().any(is_significant) {
         return (band.solve(columns, &target), None);
     }
@@ -178,7 +178,7 @@ fn torque_relation(
     let torque: Vec<f64> =
         direction.iter().zip(&velocity).map(|(sign, speed)| coulomb_mnm * sign + viscous * speed).collect();
     let share = rms(&torque) / solved.target_deviation;
-    // The motion of an inertia does not explain friction either: its share counts as unexplained.
+    // Friction is no part of an inertia's relation: its share of the torque counts as unexplained.
     solved.unexplained = solved.unexplained.hypot(share);
     let note = || {
         format!(

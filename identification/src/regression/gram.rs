@@ -223,8 +223,8 @@ pub(crate) fn sum<'a>(blocks: impl Iterator<Item = &'a DMatrix<f64>>, size: usiz
     blocks.fold(DMatrix::zeros(size, size), |sum, products| sum + products)
 }
 
-/// Which columns are not chosen, empty or, but for the share `collinear` of their squares, sums of earlier ones: Cholesky's pivots tell
-/// how much of each is new.
+/// Which columns are to be left out: those that are not chosen, empty ones, and those that are sums of earlier ones but for a share
+/// `collinear` of their squares. The pivots of Cholesky's factorisation tell how much of each column is new.
 fn find_collinear(gram: &DMatrix<f64>, chosen: &[usize], collinear: f64) -> Vec<bool> {
     let count = gram.nrows();
     let mut found = vec![true; count];

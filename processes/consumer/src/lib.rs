@@ -11,6 +11,6 @@ mod source;
 mod stop;
 
 pub use health::Health;
-pub use priority::prefer;
+pub use priority::raise_priority;
 pub use source::SourceWatch;
 pub use stop::{Stop, StopError};

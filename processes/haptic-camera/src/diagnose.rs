@@ -81,7 +81,7 @@ fn record(
 ) -> anyhow::Result<()> {
     let [of_train, of_heldout] = &found.rows;
     let capture = |role: &str, loaded: &LoadedCapture, rows: &[Row]| {
-        let source = analysis::title(loaded);
+        let source = loaded.title();
         json!({ "role": role, "source": source, "rows": rows })
     };
     let captures = [capture("training", train, of_train), capture("heldout", heldout.unwrap_or(train), of_heldout)];

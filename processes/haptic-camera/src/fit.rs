@@ -55,7 +55,7 @@ pub fn run(options: &FitOptions) -> anyhow::Result<()> {
         ([capture], [fit]) => {
             show_on(fit.axis, lines(capture.truth.as_ref(), fit));
             write_results(&options.results, capture, fit)?;
-            fit.model(&analysis::title(capture))
+            fit.model(&capture.title())
         }
         _ => of_several(&captures, &fits, options)?,
     };

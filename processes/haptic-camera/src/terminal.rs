@@ -25,8 +25,8 @@ pub fn bar(steps: Option<u64>, template: &str) -> ProgressBar {
     steps.map_or_else(ProgressBar::no_length, ProgressBar::new).with_style(style)
 }
 
-/// A table without lines of these rows under a header, with the columns at these places aligned to the right; on a terminal
-/// none is too wide.
+/// A table without rules: a header and rows, the columns at the places `right` aligned to the right. On a terminal it is at most
+/// [`WIDTH`] wide.
 pub fn table<Cells: Into<Row>>(
     header: impl Into<Row>,
     right: impl IntoIterator<Item = usize>,

@@ -38,7 +38,7 @@ fn main() -> ExitCode {
         Err(status) => return status,
     };
     operator::start_log(operator::LevelFilter::WARN);
-    consumer::prefer();
+    consumer::raise_priority();
     match fit_stream(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

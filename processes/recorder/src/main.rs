@@ -45,7 +45,7 @@ fn main() -> ExitCode {
         Err(status) => return status,
     };
     operator::start_log(operator::LevelFilter::WARN);
-    consumer::prefer();
+    consumer::raise_priority();
     shared_types::rig::keep_files_private();
     match record(&arguments) {
         Ok(0) => ExitCode::SUCCESS,

@@ -95,7 +95,8 @@ impl Structure {
         (coefficient != 0.0).then(|| (0..motion.angle_rad.len()).map(at).collect())
     }
 
-    /// Writes a friction's leading columns at a sample, in full or of its Coulomb part only. With bristles, that part follows their deflection.
+    /// Writes the leading columns of a friction effect at a sample, or with `coulomb_only` its Coulomb columns alone. With bristles, the
+    /// Coulomb columns follow the deflection.
     fn friction_columns<'a>(
         &self,
         effect: &'a Effect,

@@ -210,12 +210,12 @@ impl Structure {
         }
     }
 
-    /// The parameters on which columns depend, with the ranges that a scene leaves them.
+    /// The nonlinear parameters of the columns, with the ranges in which a capture's scene lets them be searched.
     pub(crate) fn searched(&self, scene: &Scene) -> Vec<Searched> {
         let mut all = Vec::new();
         for (index, effect) in self.effects.iter().enumerate() {
             if effect.kind().hypothesis.is_none() {
-                // What every fit has is searched near its value.
+                // The base model's parameters are searched near their values.
                 for parameter in effect.kind().regressors.map_or(&[][..], |r| r.searched) {
                     let value = effect.values()[*parameter];
                     let reach = NEAR * value.abs();

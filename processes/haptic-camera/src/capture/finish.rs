@@ -55,7 +55,7 @@ fn keep(loaded: &LoadedCapture, fitted: &Fit) -> anyhow::Result<()> {
         |number: &u32| results.iter().all(|(ending, kind)| whole_file::check(&named(*number, ending), *kind).is_ok());
     let number = (1..NAMES_TRIED).find(is_free).unwrap_or(1);
     let [model, report, json] = results.map(|(ending, _)| named(number, ending));
-    write(&model, kind::FITTED_MODEL, &fitted.model(&analysis::title(loaded)).to_toml())?;
+    write(&model, kind::FITTED_MODEL, &fitted.model(&loaded.title()).to_toml())?;
     say(format!("model    {}", model.display()));
     // The JSON is for `list`, and for whoever computes with the intervals.
     fit::write_results(&ResultFiles { json: Some(json), report: Some(report.clone()) }, loaded, fitted)?;

@@ -19,7 +19,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use sheet::Specification;
 
-use super::Seen;
+use super::CaptureFile;
 use crate::outcome::remark;
 use crate::parquet_file::{begin, software, write_column};
 
@@ -39,12 +39,12 @@ pub(super) struct Journal<'spec> {
     pub(super) place: PathBuf,
     file: File,
     /// Where each file's line begins.
-    lines: HashMap<Seen, u64>,
+    lines: HashMap<CaptureFile, u64>,
     end: u64,
 }
 
 /// A line: the file, then the row's cells as text, in which a number reads back to the last bit.
-type Line = (Seen, Vec<Option<String>>);
+type Line = (CaptureFile, Vec<Option<String>>);
 
 impl<'spec> Journal<'spec> {
     /// The journal of a table, with the files whose rows it has; a line that was cut off is written again, and so is everything
@@ -52,7 +52,7 @@ impl<'spec> Journal<'spec> {
     pub(super) fn open(
         table: &Path,
         specification: Option<&'spec Specification>,
-    ) -> anyhow::Result<(Self, HashSet<Seen>)> {
+    ) -> anyhow::Result<(Self, HashSet<CaptureFile>)> {
         let place = beside(table, ".incomplete");
         let unusable = || format!("{} cannot be used; choose another --out", place.display());
         let mut options = File::options();
@@ -86,8 +86,8 @@ impl<'spec> Journal<'spec> {
         reader.seek(SeekFrom::Start(end)).with_context(unusable)?;
         text.clear();
         while reader.read_line(&mut text).with_context(unusable)? > 0 && text.ends_with('\n') {
-            let Some((seen, _)) = parsed(&text, &columns) else { break };
-            lines.insert(seen, end);
+            let Some((capture, _)) = parsed(&text, &columns) else { break };
+            lines.insert(capture, end);
             end += text.len() as u64;
             text.clear();
         }
@@ -96,21 +96,21 @@ impl<'spec> Journal<'spec> {
         Ok((Self { specification, table: table.to_owned(), place, file, lines, end }, done))
     }
 
-    /// Keeps a row: it is there whatever happens afterwards.
-    pub(super) fn add(&mut self, seen: &Seen, row: &Row) -> anyhow::Result<()> {
+    /// Appends a row, which outlives this process from then on.
+    pub(super) fn add(&mut self, capture: &CaptureFile, row: &Row) -> anyhow::Result<()> {
         let cells = row.cells().iter().map(|(_, cell)| written(cell)).collect();
-        let line: Line = (seen.clone(), cells);
+        let line: Line = (capture.clone(), cells);
         let text = serde_json::to_string(&line)? + "\n";
         let full = || format!("{} cannot be written; free some space and run again", self.place.display());
         self.file.write_all(text.as_bytes()).with_context(full)?;
-        self.lines.insert(seen.clone(), self.end);
+        self.lines.insert(capture.clone(), self.end);
         self.end += text.len() as u64;
         Ok(())
     }
 
     /// Writes the table of these files in their order, and only then removes the journal; gives the number of rows with an
     /// error.
-    pub(super) fn into_table(mut self, files: &[Seen]) -> anyhow::Result<usize> {
+    pub(super) fn into_table(mut self, files: &[CaptureFile]) -> anyhow::Result<usize> {
         let columns = Row::columns(self.specification);
         let mut write_rows = |place| -> anyhow::Result<usize> {
             let mut wrong = 0;
@@ -139,8 +139,8 @@ fn written(cell: &Cell) -> Option<String> {
     }
 }
 
-fn parsed(line: &str, columns: &[(String, Cell)]) -> Option<(Seen, Vec<Cell>)> {
-    let (seen, texts): Line = serde_json::from_str(line).ok()?;
+fn parsed(line: &str, columns: &[(String, Cell)]) -> Option<(CaptureFile, Vec<Cell>)> {
+    let (capture, texts): Line = serde_json::from_str(line).ok()?;
     if texts.len() != columns.len() {
         return None;
     }
@@ -152,7 +152,7 @@ fn parsed(line: &str, columns: &[(String, Cell)]) -> Option<(Seen, Vec<Cell>)> {
             Cell::Real(_) => Cell::Real(Some(text.parse().ok()?)),
         })
     };
-    Some((seen, texts.into_iter().zip(columns).map(cell).collect::<Option<Vec<_>>>()?))
+    Some((capture, texts.into_iter().zip(columns).map(cell).collect::<Option<Vec<_>>>()?))
 }
 
 fn read_back(journal: &mut File, start: u64, columns: &[(String, Cell)]) -> anyhow::Result<Vec<Cell>> {

@@ -48,7 +48,7 @@ pub fn run(options: &TableOptions) -> anyhow::Result<()> {
     ensure!(!files.is_empty(), "no .mcap or .csv file in the folders; give folders of captures");
     let specification = options.spec.as_deref().map(load_specification).transpose()?;
     let (mut journal, done) = Journal::open(&options.out, specification.as_ref())?;
-    let left: Vec<&Seen> = files.iter().filter(|file| !done.contains(*file)).collect();
+    let left: Vec<&CaptureFile> = files.iter().filter(|file| !done.contains(*file)).collect();
     let made = files.len() - left.len();
     if made > 0 {
         remark(format!("{made} of {} captures are in {} already", files.len(), journal.place.display()));
@@ -66,7 +66,7 @@ pub fn run(options: &TableOptions) -> anyhow::Result<()> {
 
 /// Fits the captures on so many threads and keeps each row as it comes.
 fn add_rows(
-    left: &[&Seen],
+    left: &[&CaptureFile],
     specification: Option<&Specification>,
     jobs: usize,
     journal: &mut Journal<'_>,
@@ -88,16 +88,16 @@ fn add_rows(
     })
 }
 
-/// A file as it was seen; one that was changed since is another.
+/// A capture's file as it was listed; one that was changed since is another.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-struct Seen {
+struct CaptureFile {
     path: PathBuf,
     bytes: u64,
     written_ns: u64,
 }
 
 /// Adds all captures in a folder and in the folders in it.
-fn add(folder: &Path, files: &mut Vec<Seen>) -> anyhow::Result<()> {
+fn add(folder: &Path, files: &mut Vec<CaptureFile>) -> anyhow::Result<()> {
     let unreadable = || format!("the folder {} cannot be read; give folders of captures", folder.display());
     for entry in std::fs::read_dir(folder).with_context(unreadable)? {
         let entry = entry.with_context(unreadable)?;
@@ -109,7 +109,7 @@ fn add(folder: &Path, files: &mut Vec<Seen>) -> anyhow::Result<()> {
             let metadata = entry.metadata().ok();
             let written = metadata.as_ref().and_then(|file| file.modified().ok()?.duration_since(UNIX_EPOCH).ok());
             let written_ns = written.map_or(0, |time| time.as_nanos() as u64);
-            files.push(Seen { path, bytes: metadata.map_or(0, |file| file.len()), written_ns });
+            files.push(CaptureFile { path, bytes: metadata.map_or(0, |file| file.len()), written_ns });
         }
     }
     Ok(())

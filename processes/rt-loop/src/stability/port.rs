@@ -172,7 +172,7 @@ impl Port {
         self.first_unsafe_hz(model, hands).is_none()
     }
 
-    /// The lowest frequency at which a hand of the class could make it swing, Hz.
+    /// The lowest frequency at which one of these hands could make the rendered knob oscillate, Hz.
     #[must_use]
     pub fn first_unsafe_hz(&self, model: &LinearModel, hands: &Hands) -> Option<f64> {
         self.frequencies_hz().find(|frequency_hz| {
