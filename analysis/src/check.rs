@@ -71,7 +71,7 @@ pub struct LostMotionError {
     axis: Axis,
 }
 
-/// As its sentence.
+/// Serialises as the sentence of the error.
 impl Serialize for LostMotionError {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
@@ -146,7 +146,7 @@ impl Shown {
 }
 
 impl Check {
-    /// Holds what captures of one knob show against a model.
+    /// Compares what captures of one knob show with a model.
     #[must_use]
     pub fn of(axis: Axis, mut captures: Vec<Shown>, model: Option<&Model>) -> Self {
         withhold_breakaways(axis, &mut captures);

@@ -32,7 +32,7 @@ pub struct RenderedCaptures {
     pub hold: Option<LoadedCapture>,
 }
 
-/// Compares the captures with the model that was rendered; gives also the fit of the rendered knob as one of one body.
+/// Compares the captures with the model that was rendered; also gives the fit of the rendered knob as a knob of one body.
 ///
 /// # Errors
 /// [`AnalysisError`] for a sweep that cannot be fitted or, of a model of two bodies, diagnosed.

@@ -4,7 +4,7 @@ use dynamics::Axis;
 use serde::Serialize;
 use serde_json::Value;
 
-/// What every result says under `made_by`; by it a file is known to be replaceable by a later one.
+/// The value of `made_by` in every result, which marks a file that a later result may replace.
 pub const MADE_BY: &str = "haptic-camera";
 
 /// The result of what has an axis, in its names and units.
@@ -19,7 +19,7 @@ pub fn to_json_on(axis: Axis, result: &impl Serialize) -> Result<String, serde_j
     serde_json::to_string_pretty(&in_words_of(axis, serde_json::from_str(&text)?, false))
 }
 
-/// Keys that hold what others called something.
+/// Keys whose values are names that others gave.
 const AS_GIVEN: [&str; 5] = ["title", "source", "capture", "captures", "model"];
 
 /// Translates keys and texts into the words of an axis, except for given names and the unit of a phase.

@@ -18,7 +18,7 @@ pub struct Reading {
     pub unit: &'static str,
     /// Mean of all readings.
     pub mean: f64,
-    /// From its least to its most.
+    /// Difference between its largest and its smallest reading.
     pub span: f64,
     /// RMS of the noise of one reading, from the differences of neighbours.
     pub noise_rms: f64,
@@ -130,7 +130,7 @@ fn deviation(values: &[f64]) -> f64 {
     (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
-/// From the least of the values to the most; negative of none.
+/// Difference between the largest and the smallest value; negative where there are no values.
 fn span(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::MIN, f64::max) - values.iter().copied().fold(f64::MAX, f64::min)
 }

@@ -9,7 +9,7 @@ use sheet::{Sheet, Specification, kinds_of};
 
 use crate::AnalysisError;
 
-/// How the ends of a value's interval are called after it.
+/// Endings of the column names of an interval's two ends.
 const LOW: &str = "_ci95_low";
 const HIGH: &str = "_ci95_high";
 

@@ -84,7 +84,7 @@ pub struct Judgements {
 }
 
 impl Judgements {
-    /// Of units that were judged by a specification.
+    /// The verdicts on units that were judged by a specification.
     #[must_use]
     pub fn of(specification: &Specification, units: Vec<JudgedUnit>) -> Self {
         let verdict = units.iter().map(|unit| unit.judgement.verdict).max().unwrap_or(Verdict::Pass);

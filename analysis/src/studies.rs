@@ -21,7 +21,7 @@ pub struct Study {
 struct Unit {
     /// The part's folder, or its number.
     part: String,
-    /// The operator's.
+    /// The operator's folder, or the operator's number.
     operator: String,
     /// The file; `None` for a row of a table.
     file: Option<PathBuf>,
@@ -90,7 +90,7 @@ fn studied(
 }
 
 impl Study {
-    /// Of captures and testers' files: the figure that is named, or those that the specification limits.
+    /// A study of captures and testers' files: the figure that is named, or those that the specification limits.
     ///
     /// # Errors
     /// [`StudyError`], also for a file that has no sheet.
@@ -115,7 +115,7 @@ impl Study {
         Ok(Self { figures, units })
     }
 
-    /// Of the values of one figure in a table, with columns for part and operator.
+    /// A study of the values of one figure in a table, with columns for part and operator.
     ///
     /// # Errors
     /// [`StudyError`].

@@ -70,7 +70,7 @@ pub struct Capture {
 }
 
 impl Capture {
-    /// Reads an MCAP archive, a CSV table or an ASAM MDF measurement; which of them it is shows in the content.
+    /// Reads an MCAP archive, a CSV table or an ASAM MDF measurement; the content tells which of them it is.
     ///
     /// # Errors
     /// [`ArchiveError`], one sentence that names file, row and column where there is one.
@@ -78,7 +78,7 @@ impl Capture {
         Self::load_chosen(path, None)
     }
 
-    /// The same of a table or a measurement whose columns were chosen.
+    /// [`load`](Self::load) for a table or a measurement whose columns were chosen.
     ///
     /// # Errors
     /// As [`load`](Self::load), and [`ArchiveError::NoTime`] for one without a time.

@@ -47,7 +47,7 @@ pub(crate) fn attachments(
         (attachment::EXCITATION, "application/toml", description.excitation_toml.clone().into_bytes()),
         (attachment::CALIBRATION, "application/toml", description.calibration_toml.clone().into_bytes()),
     ];
-    // What a capture of a rendering is to be compared with is the model that was rendered.
+    // A capture of a rendering is to be compared with the model that was rendered.
     if let Some(model) = description.rendered_model_toml.as_ref().or(description.simulated_knob_toml.as_ref()) {
         all.push((attachment::MODEL, "application/toml", model.clone().into_bytes()));
     }

@@ -93,7 +93,7 @@ pub enum ArchiveError {
         /// The file.
         path: PathBuf,
     },
-    /// The table is none of a capture.
+    /// The table is not one of a capture.
     #[error("{}: {error}{}", path.display(), remedy(error))]
     Table {
         /// The file.
@@ -101,7 +101,7 @@ pub enum ArchiveError {
         /// What is wrong with it, and in which line.
         error: TableError,
     },
-    /// The table of a tester, which is none that is known.
+    /// The table of a tester has no known format.
     #[error(
         "{} is not a known table: it has {columns}; name its columns, as in travel=NAME,force=NAME, and their units, as \
          in travel=mm,force=gf",

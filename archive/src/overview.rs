@@ -80,7 +80,7 @@ struct Content {
     description: Option<RunDescription>,
 }
 
-/// Where the fields lie that are looked at.
+/// Where the fields lie that the overview is made from.
 struct Fields {
     seq: FieldLayout,
     tick: FieldLayout,
@@ -110,7 +110,7 @@ impl Content {
                     let (body, [seq, tick, missed, state]) = numbers.ok_or_else(|| {
                         damaged("a sample is shorter than its schema says, or not little-endian CDR".to_owned())
                     })?;
-                    // One that comes again is counted once.
+                    // A repeated sample is counted once.
                     if self.ledger.admit(seq) {
                         self.account.take(&fields.account, body);
                     }

@@ -77,7 +77,7 @@ pub(crate) struct IntactRecords<R> {
     window: Window<R>,
     /// Every byte before this position is content, structure or counted as dropped.
     accounted_to: u64,
-    /// Where the last record began that can be rebuilt.
+    /// Where the last record that can be rebuilt began.
     last_frame: u64,
     /// Bytes that were unpacked and compared with checksums so far, in vain or not.
     checked_bytes: u64,

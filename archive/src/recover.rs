@@ -48,8 +48,8 @@ pub struct RecoverySummary {
     pub missing_samples: u64,
     /// Where they are missing, with the samples on either side.
     pub losses: Vec<Loss>,
-    /// Ticks that the run was to have after the last sample that is there, of a recording that was not finished: what is
-    /// lost at its end is no more than that. `None` where the file does not say.
+    /// Ticks that an unfinished recording was still to have after the last sample that is there: no more than that is lost at its
+    /// end. `None` where the file does not say.
     pub ticks_left: Option<u64>,
     /// Sample rate, Hz; `None` where the file does not say.
     pub rate_hz: Option<f64>,
@@ -112,7 +112,7 @@ impl std::fmt::Display for RecoverySummary {
     }
 }
 
-/// Writes to `output` what of the archive `broken` is sound.
+/// Writes the sound content of the archive `broken` to `output`.
 ///
 /// The original is only read. `output` appears when it is whole, and replaces nothing.
 ///

@@ -1,4 +1,4 @@
-//! What a control moves along, in which units, and in which words that is said.
+//! The axis along which a control moves, with its units and words.
 
 mod words;
 

@@ -15,7 +15,7 @@ pub struct Bristles {
 }
 
 impl Bristles {
-    /// Deflection z after the knob has turned by `turned_rad` from where it was `deflection`: exact for any motion
+    /// Deflection z after the knob has turned by `turned_rad` since the deflection was `deflection`: exact for any motion
     /// in one direction.
     #[must_use]
     pub fn bent(&self, deflection: f64, turned_rad: f64) -> f64 {

@@ -1,4 +1,4 @@
-//! What is known of a rig from measurement.
+//! The calibration of a rig: its measured properties.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Axis;
 
-/// A rig's calibration: what a capture must be corrected by, and how well each sensor sees.
+/// A rig's calibration: the corrections that a capture needs, and the step of each sensor.
 ///
 /// Kept beside every capture as TOML.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

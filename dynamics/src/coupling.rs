@@ -1,6 +1,6 @@
 //! Two bodies in one knob: a cap that the sensor turns and an inner body that friction and detents act on.
 
-/// What joins the cap to the inner body.
+/// The coupling that joins the cap to the inner body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling {
     /// Half of the angle in which the bodies do not touch, rad; zero for a shaft that merely twists.

@@ -62,7 +62,7 @@ impl Effect {
         self.table
     }
 
-    /// Where a composed model has it from, as its file says.
+    /// Origin of the effect in a composed model, as noted in its file.
     #[must_use]
     pub fn origin(&self) -> Option<&'static str> {
         self.origin
@@ -85,7 +85,7 @@ impl Effect {
         self.kind.parameters.iter().zip(self.values().iter().copied()).take(occurring)
     }
 
-    /// Whether a parameter does not occur, since it is zero where a file may leave it out.
+    /// Whether a parameter is absent: zero, and one that a file may leave out.
     #[must_use]
     pub fn is_absent(&self, parameter: usize) -> bool {
         self.kind().parameters[parameter].minimum == Minimum::ZeroOrAbsent && self.values()[parameter] == 0.0

@@ -14,7 +14,7 @@ pub struct EffectKind {
     pub description: &'static str,
     /// Where the law comes from.
     pub source: &'static str,
-    /// What it belongs to when a knob is composed of parts of others.
+    /// The part to which it belongs when a knob is composed of parts of others.
     pub role: Role,
     /// What its torque, reading or factor depends on, the main one first; the direction of sliding apart.
     pub depends_on: &'static [Coordinate],
@@ -37,7 +37,7 @@ impl EffectKind {
         self.depends_on == [coordinate]
     }
 
-    /// Whether its torque is part of the load of what rubs: that of inertia, detents and springs.
+    /// Whether its torque is part of the load on the friction: the torque of inertia, detents and springs.
     #[must_use]
     pub fn is_of_the_load(&self) -> bool {
         match self.part {
@@ -65,7 +65,7 @@ impl EffectKind {
         self.regressors.map_or(0, |regressors| regressors.columns / self.lines())
     }
 
-    /// Whether a column's coefficient cannot be negative: because the law says so, or because it is a parameter that cannot be.
+    /// Whether a column's coefficient cannot be negative, by the law or because it is a parameter that cannot be negative.
     #[must_use]
     pub fn is_nonnegative(&self, column: usize) -> bool {
         self.regressors.is_some_and(|regressors| {
@@ -273,8 +273,9 @@ pub struct Regressors {
     pub columns: usize,
     /// Indices of the parameters that must be searched because columns depend on them.
     pub searched: &'static [usize],
-    /// Writes the columns for one motion. A law of several orders or lines writes only the first of them that the slice has room for. Of the
-    /// effect's values it reads the searched ones; an end stop reads its coefficients too, which determine where the contact lets go.
+    /// Writes the columns for one motion. A law of several orders or lines writes only as many of the first ones as the slice has
+    /// room for. It reads the searched values of the effect; an end stop reads its coefficients too, which determine where the
+    /// contact lets go.
     pub fill: fn(&Effect, &Motion, &mut [f64]),
     /// Writes the effect's values from the fitted coefficients; the searched ones are already in place.
     pub values: fn(&[f64], &mut [f64]),

@@ -41,7 +41,7 @@ impl Scene {
         (self.inertia > 0.0).then(|| (stiffness(lowest_hz), stiffness(highest_hz)))
     }
 
-    /// Dampings of a coupling, mNm·s/rad, from what rings on to what creeps: rates of 1 to 500 Hz for the inertia.
+    /// Range of a coupling's damping, mNm·s/rad, from ringing to creeping: rates of 1 to 500 Hz for the inertia.
     #[must_use]
     pub fn coupling_dampings(&self) -> Option<(f64, f64)> {
         Some((TAU * 1.0 * self.inertia, TAU * 500.0 * self.inertia))
@@ -61,8 +61,8 @@ pub struct Hypothesis {
     pub searched: &'static [Search],
     /// Numbers of leading columns that make a smaller version of the effect, rising; empty if it comes as a whole.
     pub nested: &'static [usize],
-    /// How many times the law may occur in one effect, each time with its own share of the columns and of the parameters; what
-    /// is zero does not occur.
+    /// How many times the law may occur in one effect, each time with its own share of the columns and of the parameters; an
+    /// occurrence whose parameters are zero does not count.
     pub lines: usize,
     /// Least part of a turn that distinguishes it from a spring, an offset or friction that rises with the angle, rad; `None` for
     /// an effect that does not repeat with each turn. One that does applies to a rotary axis only.
@@ -108,13 +108,13 @@ impl Search {
     pub const PLAIN: Self =
         Self { parameter: 0, range: |_| None, starts: |_| 1, logarithmic: false, straight_end: None, same_as: None };
 
-    /// Values to try over so many widths of a spectral peak: three to a width.
+    /// Number of values to try over `widths` widths of a spectral peak: three to a width.
     #[must_use]
     pub fn starts_over(widths: f64) -> usize {
         (3.0 * widths).ceil().clamp(1.0, 4000.0) as usize
     }
 
-    /// The range, where this capture leaves the parameter one.
+    /// The range; `None` if this capture cannot show the parameter, or only one value of it.
     #[must_use]
     pub fn range_in(&self, scene: &Scene) -> Option<(f64, f64)> {
         (self.range)(scene).filter(|(least, largest)| least < largest)

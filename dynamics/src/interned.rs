@@ -1,4 +1,4 @@
-//! What effects refer to, kept once and for as long as the program runs.
+//! Data that effects refer to, kept once and for as long as the program runs.
 //!
 //! Effects are copied and dropped in the real-time loop, where freeing memory may wait for a lock. So nothing that an
 //! effect refers to is ever freed. Equal contents are kept once: reading a model again and again costs nothing more.

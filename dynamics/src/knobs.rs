@@ -29,7 +29,7 @@ pub fn paper_knob(number: u32) -> Result<Model, ModelError> {
     Model::from_toml(text, &format!("knob {number}"))
 }
 
-/// What a rig presses if nothing else is asked for: a rubber dome under its plunger.
+/// The model that a rig presses by default: a rubber dome under its plunger.
 ///
 /// # Errors
 /// None in a build whose shipped file is whole, which a test sees to.

@@ -37,8 +37,8 @@ impl Model {
     /// Torque that the knob takes while it moves as given, mNm.
     ///
     /// At zero velocity friction is left out: there it is whatever holds the knob, up to [`Model::stick_limits`].
-    /// Effects with a memory, an inner body or bristles, are taken as if there were none; [`Model::readings_mnm`] has
-    /// them.
+    /// Effects with a memory (an inner body, bristles) are taken as if they had none; [`Model::readings_mnm`] includes
+    /// the memory.
     #[must_use]
     pub fn torque_mnm(&self, motion: &Motion) -> f64 {
         let friction = if motion.velocity_rad_s == 0.0 {
@@ -59,7 +59,7 @@ impl Model {
         self.inertia() + varying.sum::<f64>()
     }
 
-    /// Torque that inertia, detents and springs take: the load of what rubs, mNm.
+    /// Torque that inertia, detents and springs take: the load on the friction, mNm.
     #[must_use]
     pub fn load_mnm(&self, motion: &Motion) -> f64 {
         self.inertia_at(motion.angle_rad) * motion.acceleration_rad_s2 + self.place_torque_mnm(motion)
@@ -86,7 +86,7 @@ impl Model {
 
     /// This model with `inertia`, mNm·s²/rad, taken off its cap: the knob alone, if this is the model of a knob with its gripper.
     ///
-    /// The inner body stays the same, so that its share of the remaining inertia is larger.
+    /// The inner body behind a gap stays the same, so that its share of the remaining inertia is larger.
     #[must_use]
     pub fn without_cap_inertia(&self, inertia: f64) -> Self {
         let left = (self.inertia() - inertia).max(0.0);
@@ -135,7 +135,7 @@ impl Model {
 
     /// What a knob at rest bears: Karnopp's limits, but at least the friction with which it begins to slide.
     ///
-    /// If it bore less, it would break away into a friction that stops it at once.
+    /// If it bore less, the friction of sliding would stop it as soon as it broke away.
     #[must_use]
     pub fn stick_limits(&self, motion: &Motion) -> StickLimits {
         let still = Motion { velocity_rad_s: 0.0, ..*motion };
@@ -170,7 +170,7 @@ pub(crate) fn balanced_load_mnm(both_mnm: f64, signed_load_friction: f64) -> f64
     both_mnm / (1.0 + signed_load_friction * both_mnm.signum())
 }
 
-/// What some effects make of others' friction at one moment.
+/// Change that some effects make to the friction of others at one moment.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FrictionChange {
     /// Relative change of all friction.

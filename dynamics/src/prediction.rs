@@ -15,7 +15,7 @@ pub struct TorqueReader<'model> {
     before: Option<Motion>,
 }
 
-/// What a torque depends on besides the motion of the moment.
+/// The state on which a torque depends besides the present motion.
 #[derive(Debug)]
 enum Memory<'model> {
     None,
@@ -141,7 +141,7 @@ impl Model {
         self.effects.iter().map(late).sum()
     }
 
-    /// What joins the cap to the inner body, if the knob has two.
+    /// The coupling of cap and inner body; `None` for a knob of one body.
     #[must_use]
     pub fn coupling(&self) -> Option<Coupling> {
         self.effects.iter().find_map(|effect| match effect.kind().part {
@@ -150,7 +150,7 @@ impl Model {
         })
     }
 
-    /// How friction builds up, if not at once.
+    /// The bristles over whose deflection friction builds up; `None` if it acts at once.
     #[must_use]
     pub fn bristles(&self) -> Option<Bristles> {
         self.effects.iter().find_map(|effect| match effect.kind().part {
@@ -205,7 +205,7 @@ impl Model {
         (1.0 - share) * self.friction_mnm(motion, Direction::of(motion.velocity_rad_s))
     }
 
-    /// Friction whose Coulomb part acts as far as its bristles are bent, mNm.
+    /// Friction whose Coulomb part is scaled by the deflection of the bristles, `bent`, mNm.
     #[must_use]
     pub fn bent_friction_mnm(&self, motion: &Motion, bent: f64) -> f64 {
         self.partly_bent_mnm(motion, bent, Direction::of(motion.velocity_rad_s))

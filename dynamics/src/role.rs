@@ -1,4 +1,4 @@
-//! What an effect belongs to when a knob is composed of parts of others.
+//! The part to which an effect belongs when a knob is composed of parts of others.
 
 use std::fmt;
 

@@ -3,7 +3,7 @@
 /// `values`, sampled at the rising times `time_s`, taken `ahead_s` after each of them.
 ///
 /// A cubic through the four nearest samples; before the first and after the last sample their values are kept.
-/// `values` must be as long as `time_s`; what either has more is not looked at.
+/// `values` should be as long as `time_s`; surplus elements of either are ignored.
 #[must_use]
 pub fn shifted(time_s: &[f64], values: &[f64], ahead_s: f64) -> Vec<f64> {
     let count = time_s.len().min(values.len());

@@ -15,7 +15,7 @@ pub(crate) struct SortedEffects<'model> {
     pub(crate) load_friction: f64,
     /// Friction effects, each with its friction at the lowest speed in either direction if that depends on neither place nor time.
     rubbing: Vec<(&'model Effect, Option<[f64; 2]>)>,
-    /// Effects that change what others rub.
+    /// Effects that change the friction of others.
     changing: Vec<&'model Effect>,
     /// Whether that change depends on the velocity.
     changes_with_velocity: bool,
@@ -67,7 +67,7 @@ impl<'model> SortedEffects<'model> {
         if self.varies { self.model.inertia_at(angle_rad) - self.model.inertia() } else { 0.0 }
     }
 
-    /// As [`Model::place_torque_mnm`] where something rubs with it, else nothing.
+    /// As [`Model::place_torque_mnm`] if friction depends on the load, else zero.
     #[inline]
     pub(crate) fn rubbing_place_torque_mnm(&self, motion: &Motion) -> f64 {
         if self.load_friction == 0.0 { 0.0 } else { self.model.place_torque_mnm(motion) }

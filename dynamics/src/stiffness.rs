@@ -7,8 +7,8 @@ use crate::{Effect, Model};
 const SAME_PERIOD: f64 = 1e-9;
 
 impl Model {
-    /// Steepest slope |dτ/dθ| that the torque can have at any angle, mNm/rad: what a renderer's sample rate must be
-    /// able to hold stable.
+    /// Steepest slope |dτ/dθ| that the torque can have at any angle, mNm/rad: a renderer must stay stable at this
+    /// stiffness at its sample rate.
     ///
     /// The sum of the effects' steepest slopes, so an upper bound where several act; detents and harmonics of the same
     /// period are taken as the one waveform that they are. Friction, and the contact of a coupling

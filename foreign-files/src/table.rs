@@ -46,7 +46,7 @@ pub enum OtherColumns {
 /// Why a table cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TableError {
-    /// The first line does not name the columns.
+    /// No line names the columns.
     #[error("it has the columns `{found}`, but they must be `{expected}`")]
     Header {
         /// The columns that were found, shortened.

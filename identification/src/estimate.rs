@@ -1,4 +1,4 @@
-//! What a fit tells: values with intervals, or why not.
+//! The result of a fit: values with intervals, or the reasons why there are none.
 
 use serde::ser::{Serialize, Serializer};
 
@@ -19,7 +19,7 @@ pub struct Parameter {
     pub unit: &'static str,
     /// 95 % interval that allows for autocorrelated residuals of varying size.
     pub ci95: Option<[f64; 2]>,
-    /// 95 % interval of the textbooks, for independent and homoscedastic residuals; mostly too narrow.
+    /// The textbooks' 95 % interval, for independent and homoscedastic residuals; mostly too narrow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ci95_textbook: Option<[f64; 2]>,
     /// Why there is no value, in a sentence.
@@ -78,7 +78,7 @@ pub struct Covariance {
 pub struct Harmonic {
     /// Which multiple of the detent's wavenumber this one is, 1 for the detent itself; `None` if it is no multiple.
     pub order: Option<u32>,
-    /// Periods per turn: the wavenumber in 1/rad. A whole number by rule only where a quasi-static fit covered a turn.
+    /// Periods per turn: the wavenumber in 1/rad. Restricted to whole numbers only where a quasi-static fit covered a turn.
     pub per_turn: f64,
     /// Amplitude, mNm.
     pub amplitude_mnm: f64,
@@ -180,7 +180,7 @@ pub struct Preparation {
 pub struct Fit {
     /// The parameters with intervals or reasons.
     pub parameters: Parameters,
-    /// How the parameters' errors go together.
+    /// Covariance of the parameters' errors.
     pub covariance: Covariance,
     /// RMS of measured minus model torque, mNm.
     pub residual_rms_mnm: f64,
@@ -188,7 +188,7 @@ pub struct Fit {
     pub relative_error_percent: f64,
     /// Mean half width of the 95 % interval of the model's torque (as `nlpredci` gives it), mNm.
     pub mean_ci95_mnm: f64,
-    /// The same with the textbook covariance, mNm.
+    /// Mean half width with the textbook covariance, mNm.
     pub mean_ci95_textbook_mnm: f64,
     /// Samples of the capture.
     pub samples: usize,
@@ -223,7 +223,7 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// The fit with these points, their number, and the residual, relative error and mean interval over all of them.
+    /// Sets the points, their number, and the residual, relative error and mean interval over all of them.
     pub(crate) fn compared(self, points: Vec<Point>) -> Self {
         let (residual_rms_mnm, relative_error_percent) = residual_of(&points);
         Self {
@@ -252,7 +252,7 @@ impl Fit {
             let mut effect = *effect;
             let kind = effect.kind();
             for (slot, parameter) in effect.values_mut().iter_mut().zip(kind.parameters) {
-                // The stick velocity is never told, but the speed that the capture resolves bounds it.
+                // Stick limits that could not be estimated keep the values of the fit, which the capture bounds.
                 if estimated(parameter.name).is_some() || kind.name == effects::karnopp_stick::KIND.name {
                     continue;
                 }

@@ -17,11 +17,11 @@
 //! 3. Base effects by linear least squares with Coulomb friction at or above zero; the detent period by
 //!    a scan over everything that the travel supports, refined by Gauss–Newton.
 //! 4. What the sensors' own noise adds to the normal equations is subtracted: it would bias the inertia.
-//! 5. 95 % intervals allow for residuals that are autocorrelated and heteroscedastic, and that the fit has made smaller
-//!    than the errors.
+//! 5. 95 % intervals allow for autocorrelated and heteroscedastic residuals, and for the fit having made the residuals
+//!    smaller than the errors.
 //!
-//! [`live::LiveFit`] does the same to a stream. [`average()`] makes one model of several captures,
-//! [`calibration`] finds out what is known of a rig, and [`checks`] looks at a capture without a fit.
+//! [`live::LiveFit`] does the same with a stream. [`average()`] combines several captures into one model,
+//! [`calibration`] calibrates a rig from captures, and [`checks`] examines a capture without a fit.
 
 mod average;
 pub mod calibration;

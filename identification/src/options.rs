@@ -1,8 +1,8 @@
-//! What a fit may be told.
+//! The options of a fit.
 
 use dynamics::{Axis, Calibration, Effect};
 
-/// What a fit may be told; nothing need be.
+/// The options of a fit, all of which have defaults.
 #[derive(Clone, Debug, Default)]
 pub struct FitOptions {
     /// What is known of the rig: zeros, delays, compliance and the gripper's inertia, which are taken out.
@@ -11,7 +11,7 @@ pub struct FitOptions {
     pub further_effects: Vec<Effect>,
     /// Fit without looking for detents.
     pub without_detents: bool,
-    /// Measure the torque over the angle, one branch a direction, in place of detents: what is pressed has none.
+    /// Measure the torque over the angle, one branch a direction, in place of detents, which a pressed control does not have.
     pub characteristic: bool,
     /// Whether the samples are a curve of torque over angle, in which time has no part.
     pub is_quasi_static: bool,

@@ -149,7 +149,7 @@ pub enum FitError {
          part of the travel left out"
     )]
     NoMap,
-    /// So much of the torque is at an end of its range that the rest is too little.
+    /// The torque is at an end of its range for so many samples that too few are left.
     #[error(
         "the torque channel stands at an end of its range for {samples} of {total} samples, and the rest is too little for \
          a fit; excite the knob less, or use a sensor with a wider range"

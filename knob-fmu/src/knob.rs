@@ -5,7 +5,7 @@ use std::path::Path;
 use dynamics::{Model, ModelError, Motion, TorqueReader};
 use simulators::fmi::{MODEL_FILE, Variable};
 
-/// What a torque in N m is of one in mNm.
+/// N m in a mNm.
 const N_M: f64 = 1e-3;
 
 /// Why a knob does not do what it is asked.
@@ -33,16 +33,16 @@ pub(crate) enum KnobError {
     /// An input that is no number.
     #[error("the inputs {0:?} are not finite")]
     NotFinite(Motion),
-    /// A call out of its time.
+    /// A step before initialization.
     #[error("initialize the knob before the first step")]
     NotInitialized,
 }
 
 /// A knob with its parameters, its inputs and, once it runs, its memory.
 pub(crate) struct Knob {
-    /// As in the FMU.
+    /// The model as in the FMU.
     written: Model,
-    /// As its parameters are set.
+    /// The model with its parameters as set.
     model: Model,
     added_inertia: f64,
     motion: Motion,
@@ -61,7 +61,7 @@ impl Knob {
         Self { written, model, added_inertia: 0.0, motion: Motion::default(), torque_mnm: 0.0, running: None }
     }
 
-    /// As it was loaded.
+    /// Restores the knob as it was loaded.
     pub(crate) fn reset(&mut self) {
         *self = Self::new(self.written.clone());
     }

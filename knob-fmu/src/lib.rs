@@ -65,10 +65,10 @@ unsafe fn instance<'caller>(instance: *mut Instance) -> Option<&'caller mut Inst
     unsafe { instance.as_mut() }
 }
 
-/// So many values at a place; none at a null pointer.
+/// `count` values at `place`; none at a null pointer.
 ///
 /// # Safety
-/// There are so many values.
+/// `place` is null, or points to `count` values.
 unsafe fn values<'caller, T>(place: *const T, count: usize) -> &'caller [T] {
     if place.is_null() {
         return &[];

@@ -85,7 +85,7 @@ impl LoadedCapture {
         self.capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
     }
 
-    /// The same as [`load`](Self::load), of a table or a measurement whose columns were chosen.
+    /// [`load`](Self::load) for a table or a measurement whose columns were chosen.
     ///
     /// # Errors
     /// [`LoadError`], one sentence on what is wrong with a file.
@@ -93,7 +93,7 @@ impl LoadedCapture {
         Self::of(path, Capture::load_chosen(path, chosen)?)
     }
 
-    /// A capture that was read from there, with its attachments or what lies beside it.
+    /// The loaded form of a capture that was read from `path`, with its attachments or the files beside it.
     fn of(path: &Path, capture: Capture) -> Result<Self, LoadError> {
         let capture = capture.of_knob();
         let attached = capture.attached_text(attachment::CALIBRATION).filter(|text| !text.is_empty());

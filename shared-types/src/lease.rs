@@ -1,4 +1,4 @@
-//! The lease that a process has of the one that started it.
+//! The lease that a process holds from the process that started it.
 //!
 //! The process's standard input is a pipe that its starter holds open. When the starter ends, however it ends, or lets go,
 //! the kernel closes the pipe, and the process reads its end. That also holds for a starter which was gone before the
@@ -13,8 +13,8 @@ use nix::fcntl::{FcntlArg, OFlag, fcntl};
 /// Says that standard input is a lease.
 const LEASE_VARIABLE: &str = "HAPTIC_CAMERA_LEASE";
 
-/// Has the process that `command` starts run under a lease: for as long as its [`stdin`](std::process::Child::stdin) is
-/// held by whoever starts it.
+/// Makes the process that `command` starts run under a lease, which lasts as long as its starter holds its
+/// [`stdin`](std::process::Child::stdin).
 pub fn grant(command: &mut Command) {
     command.stdin(Stdio::piped()).env(LEASE_VARIABLE, "stdin");
 }

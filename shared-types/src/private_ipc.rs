@@ -16,7 +16,7 @@ use iceoryx2_cal::{dynamic_storage, resizable_shared_memory, shared_memory, zero
 #[derive(Clone, Debug)]
 pub struct PrivateIpc {}
 
-/// What of the service lies elsewhere than in segments is that of `ipc::Service`.
+/// Everything of the service but its segments is that of `ipc::Service`.
 type Ipc = ipc::Service;
 
 impl iceoryx2::service::Service for PrivateIpc {

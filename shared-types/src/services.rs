@@ -410,7 +410,7 @@ fn open_error(service: &'static str, layout: u64, error: PublishSubscribeOpenOrC
     }
 }
 
-/// A port that was made, with the pages that it can come to need: a write to one that is wanting would end the process.
+/// A port that was made, after reserving every page that it can come to need: a write to a missing page would end the process.
 fn port<Port, Error: Debug>(service: &'static str, made: Result<Port, Error>) -> Result<Port, ServiceError> {
     let port = made.map_err(|error| unavailable(service, &error))?;
     shared_memory::reserve()?;

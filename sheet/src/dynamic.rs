@@ -9,7 +9,7 @@ use crate::repeats::{Sheet, SheetError};
 
 const KARNOPP: &str = "D. Karnopp, J. Dyn. Sys., Meas., Control 107, 1985";
 
-/// Of what turns.
+/// The dynamic figures of what turns.
 mod turned {
     use super::KARNOPP;
     use crate::figure::{FigureKind, define_figures};
@@ -25,7 +25,7 @@ mod turned {
     }
 }
 
-/// Of what is pressed or slid.
+/// The dynamic figures of what is pressed or slid.
 mod pressed {
     use super::KARNOPP;
     use crate::figure::{FigureKind, define_figures};

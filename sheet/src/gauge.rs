@@ -62,8 +62,8 @@ pub enum GaugeError {
 }
 
 impl Gauge {
-    /// Of values by operator, part and trial; `tolerance` is the distance of the limits. Parts of a crossed study stand in
-    /// the same order for every operator.
+    /// The study of values by operator, part and trial; `tolerance` is the distance of the limits. Parts of a crossed study stand
+    /// in the same order for every operator.
     ///
     /// # Errors
     /// [`GaugeError`] for a study that is too small or uneven.

@@ -7,10 +7,10 @@
 //! - *figures*: collapse, valley and snap of what is pressed; pitch, peak, trough, stiffness, energy and backlash of detents, and
 //!   the friction between the branches.
 //!
-//! Every figure has a [`FigureKind`], which defines it in a sentence and says whose definition that is, and a 95 % interval. Of
-//! one curve the interval comes from the noise about the smoothed curve; of several it is that which holds the figure of
-//! one more of them. A [`Specification`] sets limits on figures and curve; [`Specification::judge`] says pass, fail or undecided.
-//! [`Capability`] and [`Gauge`] tell of many parts, operators and repeats.
+//! Every figure has a [`FigureKind`], which defines it in a sentence and says whose definition that is, and a 95 % interval. For
+//! one curve the interval comes from the noise about the smoothed curve; for several it is the interval that holds the figure of
+//! one further curve. A [`Specification`] sets limits on figures and curve; [`Specification::judge`] says pass, fail or
+//! undecided. [`Capability`] and [`Gauge`] tell of many parts, operators and repeats.
 
 mod branch;
 mod capability;

@@ -13,7 +13,7 @@ const NOT_MEASURED: &str = "256";
 /// Decimals with which values are shown (K2022).
 const DECIMALS: u32 = 4;
 
-/// What the file says of its origin (K1900), by which a later one knows that it may take its place.
+/// The file's statement of its origin (K1900), which marks it as one that a later file may replace.
 pub const QDAS_REMARK: &str = "made by haptic-camera";
 
 /// A part's figures, and when it was measured.
@@ -31,7 +31,7 @@ pub fn qdas(name: &str, characteristics: &[(&'static FigureKind, Limits)], rows:
     // Tells readers the encoding, which they would otherwise guess at among so many separators that are no letters.
     let mut text = String::from("\u{feff}");
     let mut line = |key: &str, value: &str| {
-        // A line that is cut by its own content would be another one's.
+        // A line break within a value would begin another field.
         let value: String = value.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
         // Writing to a string does not fail.
         let _ = write!(text, "{key} {value}\r\n");

@@ -242,7 +242,7 @@ pub(crate) fn combined(runs: &[Estimate]) -> (Estimate, f64) {
     (Estimate { value, standard_error }, count - 1.0)
 }
 
-/// The branches of one run, or the mean of several where all of them have been.
+/// The branches of one run, or the mean of several runs at the positions that all of them cover.
 fn mean_branches(runs: &[Run]) -> BTreeMap<&'static str, Branch> {
     let Some(first) = runs.first() else { return BTreeMap::new() };
     let means = first.branches.iter().map(|(name, branch)| {

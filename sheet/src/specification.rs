@@ -68,7 +68,7 @@ pub enum SpecificationError {
     /// No limits at all.
     #[error("it has neither [figures.NAME] with min or max nor an [[envelope]], so nothing could fail")]
     Empty,
-    /// A risk that is none.
+    /// A risk that does not lie between 0 and 0.5.
     #[error("risk = {0}, but it must lie between 0 and 0.5")]
     Risk(f64),
     /// There is no such figure.
@@ -144,7 +144,7 @@ impl Specification {
         Ok(Self { name, risk, limits, envelopes })
     }
 
-    /// What moves the controls that it is of, by its first limit or else its first envelope.
+    /// The axis of the controls that it is for, from its first limit or else its first envelope.
     #[must_use]
     pub fn axis(&self) -> Axis {
         let of_figure = |kind| {

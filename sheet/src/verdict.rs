@@ -36,11 +36,11 @@ impl Verdict {
 /// The verdict on a part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judgement {
-    /// That on the part: the worst of all.
+    /// The verdict on the part: the worst of all.
     pub verdict: Verdict,
-    /// That on each figure which has limits.
+    /// The verdict on each figure that has limits.
     pub figures: Vec<FigureVerdict>,
-    /// That on each branch which has an envelope.
+    /// The verdict on each branch that has an envelope.
     pub envelope: Vec<EnvelopeVerdict>,
     /// Why the part does not pass, a sentence each.
     pub reasons: Vec<String>,

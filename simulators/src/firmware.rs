@@ -20,7 +20,7 @@ const TABLE: &str = include_str!("firmware/table.h.in");
 const ENDS_ROTARY: &str = include_str!("firmware/table_ends_rotary.h.in");
 const ENDS_LINEAR: &str = include_str!("firmware/table_ends_linear.h.in");
 
-/// The header of a model from `source`, with its table if it has one; `name` is what its names begin with.
+/// The header of a model from `source`, with its table if it has one; all names in it begin with `name`.
 #[must_use]
 pub fn c_header(model: &Model, table: Option<&TorqueOverAngle>, source: &str, name: &str) -> String {
     let upper = identifier(name).to_uppercase();

@@ -1,7 +1,7 @@
 //! FMI 3.0 (<https://fmi-standard.org/docs/3.0.2/>): a model as an FMU for co-simulation.
 //!
-//! An FMU is a ZIP file. Ours holds a library that is every knob, the model as one of its resources, and the description of its
-//! variables: angle, velocity and acceleration in, torque out, each parameter of the model a start value.
+//! An FMU is a ZIP file. Ours holds a library that serves every knob, the model as one of its resources, and the description of
+//! its variables: angle, velocity and acceleration in, torque out, each parameter of the model a start value.
 
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};

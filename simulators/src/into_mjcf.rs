@@ -31,8 +31,8 @@ pub enum IntoMjcfError {
     Nameless,
 }
 
-/// The file with `armature`, `damping` and `frictionloss` of a joint from a model, and with a passive `dcmotor` for each sinusoid of
-/// the angle; without a name, of its only joint.
+/// The file with `armature`, `damping` and `frictionloss` of a joint from a model, and with a passive `dcmotor` for each sinusoid
+/// of the angle. Without a `name`, the joint is the file's only one.
 ///
 /// # Errors
 /// [`IntoMjcfError`], one sentence on what is wrong with the file or the name.

@@ -49,7 +49,7 @@ pub(crate) fn misreadings(model: &Model) -> Vec<String> {
     misread.map(|effect| format!("{}, which is the sensor's", effect.kind().name)).collect()
 }
 
-/// What a format says that has the effects `known`, with a friction of its own.
+/// The part of a model that a format with the effects `known` says, with this friction in place of the model's own.
 pub(crate) fn said(model: &Model, known: &[&str], coulomb_mnm: [f64; 2], viscous: f64) -> Model {
     let mut effects: Vec<_> =
         model.effects.iter().filter(|effect| known.contains(&effect.kind().name)).copied().collect();

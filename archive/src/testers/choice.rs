@@ -72,7 +72,7 @@ impl FromStr for Assignments {
 }
 
 impl Assignments {
-    /// Of words with their values.
+    /// The choice that these words with their values make.
     ///
     /// # Errors
     /// [`ChoiceError::Word`] for one that means nothing here.

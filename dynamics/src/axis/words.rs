@@ -1,4 +1,4 @@
-//! The words in which an axis is spoken of.
+//! The words for an axis.
 //!
 //! In the mathematics position and load are one quantity each, and the program calls them by the names of what is turned: `angle_rad`,
 //! `torque_mnm`. Whatever leaves the program about what is pressed or slid (texts, pages, columns, keys) has each of these words
@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 use super::Axis;
 
-/// Words of what is turned, each with that of what is pressed or slid.
+/// Words for a rotary axis, each with its counterpart for a linear one.
 const WORDS: [(&str, &str); 13] = [
     ("angle", "travel"),
     ("angles", "travels"),
@@ -138,7 +138,7 @@ fn say(chunk: &str, has_phase: bool, said: &mut String) {
     }
 }
 
-/// The word that stands for another on a linear axis, capitalised as that is.
+/// The counterpart of a word on a linear axis, capitalised like the word.
 fn counterpart(word: &str) -> Cow<'_, str> {
     if let Some((_, said)) = WORDS.iter().find(|(name, _)| *name == word) {
         return Cow::Borrowed(said);

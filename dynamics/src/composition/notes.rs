@@ -1,4 +1,4 @@
-//! Parts that fit together otherwise than one may expect.
+//! Notes on parts that act on each other in unexpected ways.
 
 use std::f64::consts::TAU;
 
@@ -77,7 +77,7 @@ pub enum CompositionNote {
     NotSimulated(SimulationError),
 }
 
-/// What one should know of how a model's parts act on each other.
+/// Notes on how a model's parts act on each other.
 #[must_use]
 pub fn composition_notes(model: &Model) -> Vec<CompositionNote> {
     let mut notes = Vec::new();

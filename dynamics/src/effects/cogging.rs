@@ -98,7 +98,7 @@ pub fn is_of_the_detents(per_turn: f64, scene: &Scene) -> bool {
     })
 }
 
-/// Whether every line of an effect's values is another than all before it, as far as the travel can tell.
+/// Whether every line of an effect's values differs from all lines before it, as far as the travel can resolve.
 #[must_use]
 pub fn lines_are_resolved(values: &[f64], scene: &Scene) -> bool {
     let per_turn: Vec<f64> = lines(values).map(|[_, per_turn, _]| per_turn).collect();

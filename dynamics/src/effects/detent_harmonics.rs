@@ -86,7 +86,7 @@ pub static KIND: EffectKind = EffectKind {
     }),
 };
 
-/// Sines and cosines of the multiples by turning the first harmonic on by its own angle.
+/// Sines and cosines of the multiples, each from the one before by the angle-sum formulas.
 fn columns_at(values: &[f64], motion: &Motion, row: &mut [f64]) {
     let (sine, cosine) = (motion.angle_rad / values[0]).sin_cos();
     let (mut s, mut c) = (sine, cosine);

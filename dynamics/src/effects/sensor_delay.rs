@@ -2,7 +2,7 @@
 
 use crate::{Coordinate, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Scene, Search};
 
-/// `sensor-delay`: what the sensor reads is the torque of a fixed time ago; where the angle is the late one, the time is
+/// `sensor-delay`: the sensor reads the torque of a fixed time ago; if the angle is the late one, the time is
 /// negative.
 pub static KIND: EffectKind = EffectKind {
     name: "sensor-delay",

@@ -1,4 +1,4 @@
-//! A shaft that twists between the sensor and what friction and detents act on.
+//! A shaft that twists between the sensor and the body on which friction and detents act.
 
 use crate::{Coordinate, Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Scene, Search};
 

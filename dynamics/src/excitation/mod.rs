@@ -1,7 +1,7 @@
-//! Excitations: the motions and torques with which a knob is asked.
+//! Excitations: the motions and torques with which a knob is probed.
 //!
 //! An [`Excitation`] is plain data without heap, so that a real-time loop can own one, and a pure
-//! function of time: where ticks are missed it goes on as if they had not been.
+//! function of time: after missed ticks it goes on as if none had been missed.
 
 mod chirp;
 mod jet;
@@ -84,7 +84,7 @@ pub struct Excitation {
     pub shape: Shape,
 }
 
-/// An excitation that cannot be had.
+/// Why there is no such excitation.
 #[derive(Debug, thiserror::Error)]
 pub enum ExcitationError {
     /// A name that is not among the known ones.

@@ -7,7 +7,7 @@ use super::Jet;
 /// Sweeps up to `top_hz` and back, one for each level of amplitude, then again from the lowest.
 ///
 /// Small amplitudes keep a knob within one detent or its presliding, large ones cross many: the
-/// same frequencies at several amplitudes tell what depends on which.
+/// same frequencies at several amplitudes separate the effects of frequency from those of amplitude.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SteppedAmplitude {
     /// Number of levels; the amplitudes are equal steps up to the full one.

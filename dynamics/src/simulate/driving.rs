@@ -39,7 +39,7 @@ impl Driving<'_> {
         }
     }
 
-    /// Torque at both ends of the step from the sample before `index`, mNm, `from` being predicted there.
+    /// Torque at both ends of the step from sample `index` − 1 to `index`, mNm; `from` is the motion predicted at the first.
     pub(super) fn over_step(&self, index: usize, from: &Motion, step_s: f64) -> [f64; 2] {
         let start = self.at(index - 1, from, step_s);
         match self {

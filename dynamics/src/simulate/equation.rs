@@ -71,7 +71,7 @@ impl<'model> Equation<'model> {
         self.cap.is_some()
     }
 
-    /// Torque on what friction acts on, `torque_mnm` acting on the knob (and not looked at where there is a cap).
+    /// Torque on the body on which friction acts; `torque_mnm` acts on the knob and is ignored where there is a cap.
     fn driving_mnm(&self, place: &Place, torque_mnm: f64) -> f64 {
         let passed_on = |cap: &Cap| cap.coupling.torque_mnm(place[2] - place[0], place[3] - place[1]);
         self.cap.as_ref().map_or(torque_mnm, passed_on)

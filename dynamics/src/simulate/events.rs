@@ -22,7 +22,7 @@ impl ForwardSimulation<'_> {
             if self.time_s >= end_s {
                 return Ok(());
             }
-            // Chattering between slip and stick within so short a time: it rests until the end.
+            // The body chatters between slip and stick within so short a time that it is held at rest until the end.
             let held = events >= MOST_EVENTS;
             if held {
                 self.come_to_rest();
@@ -58,7 +58,7 @@ impl ForwardSimulation<'_> {
         true
     }
 
-    /// Whether a sliding body sticks or turns round before `end_s`; it then goes to just there.
+    /// Whether a sliding body sticks, slows down through Karnopp's Δv or turns round before `end_s`; it then goes to that moment.
     fn slide(&mut self, end_s: f64, end: &Place, torque: &TorqueLine, direction: Direction) -> bool {
         let threshold = self.stick_velocity_rad_s();
         let speed_of = |place: &Place| direction.sign() * place[1];
@@ -110,12 +110,12 @@ impl ForwardSimulation<'_> {
         self.breakaway_at(self.time_s, &self.place, torque)
     }
 
-    /// The direction in which the body would break away if it were at rest there and then, if it would.
+    /// The direction in which the body would break away if it were at rest there and then; `None` if it would stay at rest.
     fn breakaway_at(&self, time_s: f64, place: &Place, torque: &TorqueLine) -> Option<Direction> {
         self.equation.breakaway(time_s, place, torque.at(time_s), self.deflection)
     }
 
-    /// Where the knob is at `time_s` by a single step, nothing happening before.
+    /// The place of the knob at `time_s`, by a single step without an event.
     fn reached(&self, time_s: f64, torque: &TorqueLine) -> Place {
         self.stepped(time_s - self.time_s, torque).end
     }

@@ -1,4 +1,4 @@
-//! What happens inside a knob of two bodies while its cap moves as it was measured.
+//! The motion of a knob's inner body while its cap moves as it was measured.
 
 use crate::model::balanced_load_mnm;
 use crate::sorted_effects::{Friction, SortedEffects};
@@ -188,7 +188,7 @@ impl<'model> InnerBody<'model> {
             velocity_rad_s,
             acceleration_rad_s2: 0.0,
         };
-        // A body at rest will, if at all, soon turn as the cap does.
+        // If a body at rest starts to turn, it turns in the cap's direction.
         let turning_rad_s = if self.velocity_rad_s == 0.0 { cap_rad_s } else { self.velocity_rad_s };
         let direction = Direction::of(turning_rad_s);
         let Friction { level_mnm, sliding_mnm } = self.effects.friction(&at(turning_rad_s), direction);

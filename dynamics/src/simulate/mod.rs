@@ -87,7 +87,7 @@ impl<'model> ForwardSimulation<'model> {
 
     /// A knob in a given state, under `torque_mnm`.
     ///
-    /// Slower than Karnopp's Δv and under a load that it can hold it is at rest.
+    /// It is at rest if it is slower than Karnopp's Δv and bears its load.
     ///
     /// # Errors
     /// [`SimulationError::NoInertia`] and [`SimulationError::WeightlessCap`].
@@ -119,7 +119,7 @@ impl<'model> ForwardSimulation<'model> {
         simulation
     }
 
-    /// The inner body of a knob of two, whose cap moves as is given, from a state on.
+    /// The inner body of a knob of two bodies, from a state on; the cap's motion is given.
     fn led(model: &'model Model, coupling: Coupling, state: &State) -> Result<Self, SimulationError> {
         Ok(Self::started(Equation::led(model, coupling)?, None, state, 0.0))
     }

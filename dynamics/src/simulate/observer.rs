@@ -1,4 +1,4 @@
-//! The state of a knob whose motion is known, but not what lies inside it.
+//! The state of a knob whose motion is known, while that of its inner body and bristles is not.
 
 use super::{ForwardSimulation, SimulationError, State};
 use crate::{Bristles, Model, Motion};

@@ -57,8 +57,8 @@ pub fn forward_windows(
     follow(model, 0.0, motions, &Driving::Measured(&torque_mnm), model.readings_within(motions), window_s)
 }
 
-/// The same from the torque commanded from the rig's motor, which turns itself and the knob: the torque sensor takes no
-/// part in it.
+/// As [`forward_windows`], but from the torque commanded from the rig's motor, which turns itself and the knob; the torque
+/// sensor takes no part.
 ///
 /// `commanded_mnm` is what was commanded at the time of each motion, until the next; NaN where that is unknown. The
 /// motor's inertia and friction act on the knob, or on its cap. What the amplifier cannot give, and the time that the

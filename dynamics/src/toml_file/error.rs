@@ -1,10 +1,10 @@
-//! Why a model could not be had from a file.
+//! Why a model could not be read from a file.
 
 use std::path::PathBuf;
 
 use crate::TorqueTableError;
 
-/// Why a model could not be had from a file.
+/// Why a model could not be read from a file.
 #[derive(Debug, thiserror::Error)]
 pub enum ModelError {
     /// The file cannot be read.

@@ -23,7 +23,7 @@ pub enum TorqueTableError {
         /// Most that will do.
         most: usize,
     },
-    /// A number that is none.
+    /// A value that is not a finite number.
     #[error("point {point} of the table has {column} {value}, but it must be a finite number")]
     NotFinite {
         /// Column.
@@ -73,7 +73,7 @@ pub enum TorqueTableError {
         /// The largest that will do, mNm.
         allowed_mnm: f64,
     },
-    /// A slope beyond what a number can hold.
+    /// A slope too large for a floating-point number.
     #[error("the table's torque changes too steeply to be computed with; move its points apart")]
     TooSteep,
     /// A text that is no table of numbers.

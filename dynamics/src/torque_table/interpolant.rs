@@ -60,7 +60,7 @@ impl TorqueTable {
     #[must_use]
     pub fn steepest_mnm_rad(&self) -> f64 {
         let each = (0..self.pieces()).map(|point| self.piece(point).steepest_mnm_rad());
-        // What is no number is steeper than anything.
+        // A slope that is not finite counts as infinitely steep.
         each.fold(0.0, |most, steepest| if steepest.is_finite() { steepest.max(most) } else { f64::INFINITY })
     }
 

@@ -42,7 +42,7 @@ pub enum Curve {
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorqueTable {
     curve: Curve,
-    /// None for a table that stays beyond its ends as it is there.
+    /// `None` for a table that keeps its ends' torques beyond them.
     period_rad: Option<f64>,
     points: Vec<f64>,
     torque_mnm: Vec<f64>,
@@ -121,11 +121,11 @@ impl TorqueTable {
             slope_mnm_rad: Vec::new(),
         };
         table.slope_mnm_rad = (0..points).map(|point| table.slope_at(point)).collect();
-        // Torques or angles at the ends of what a number can hold.
+        // Torques or angles near the limits of floating-point numbers give slopes that are not finite.
         if table.steepest_mnm_rad().is_finite() { Ok(table) } else { Err(TorqueTableError::TooSteep) }
     }
 
-    /// Angle after which it repeats, rad; none where it stays beyond its ends as it is there.
+    /// Angle after which it repeats, rad; `None` if it keeps its ends' torques beyond them.
     #[must_use]
     pub fn period_rad(&self) -> Option<f64> {
         self.period_rad

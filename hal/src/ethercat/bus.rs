@@ -74,7 +74,7 @@ impl Wire {
         }
     }
 
-    /// Takes a frame that has come; whether one had.
+    /// Takes a frame that has come; returns whether there was one.
     fn take(&mut self) -> bool {
         let Some(length) = self.socket.receive(&mut self.frame) else { return false };
         self.frame[SOURCE_AT] |= CAME_THROUGH;
@@ -160,7 +160,7 @@ macro_rules! with_devices {
 }
 
 impl Bus {
-    /// Sends the command and takes what all devices have; waits until `until_ns` (CLOCK_MONOTONIC) at most.
+    /// Sends the command and receives the inputs of all devices; waits until `until_ns` (CLOCK_MONOTONIC) at most.
     ///
     /// One `sendto`, and no other system call.
     pub(super) fn cycle(&mut self, command: DriveCommand, until_ns: u64) -> Result<Cycle, Unanswered> {

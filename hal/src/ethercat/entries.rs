@@ -80,7 +80,7 @@ impl fmt::Display for Object {
     }
 }
 
-/// How bits are a number.
+/// How bits stand for a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Coding {
     Signed,

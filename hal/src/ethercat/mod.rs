@@ -2,8 +2,8 @@
 //!
 //! The drive runs in cyclic synchronous torque; angle, torque and acceleration come from any entry of any device's process data.
 //! ethercrab speaks the protocol, without its `std` part: frames go out and come back over a socket of our own, so that a tick
-//! costs one system call and no memory. Two threads have the bus in turn: while the rig is prepared and until it is enabled an
-//! ordinary one keeps it alive, since a device without process data takes itself out of operation.
+//! costs one system call and no memory. Two threads have the bus in turn: from preparation until the rig is enabled, an ordinary
+//! thread keeps the bus alive, since a device without process data takes itself out of operation.
 
 mod bring_up;
 mod bus;
@@ -46,7 +46,7 @@ const WAIT_SHARE: f64 = 0.6;
 const ENABLE_CYCLES: u32 = 200;
 /// Cycles in which the drive is asked to let go of the motor, until it says that it has.
 const DISABLE_CYCLES: u32 = 3;
-/// Calls in the tick of a fault, most of all: the exchange, the question why a device left OP, and letting go.
+/// Calls in the tick of a fault, which makes the most: the exchange, the question why a device left OP, and letting go.
 const MOST_CALLS: u32 = 2 + DISABLE_CYCLES;
 /// Time that the drive may take to be switched on.
 const SWITCHING_ON: Duration = Duration::from_secs(15);

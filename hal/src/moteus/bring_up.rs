@@ -36,7 +36,7 @@ pub(super) fn bring_up(
     longest_wait: Duration,
 ) -> Result<BroughtUp, ApparatusError> {
     let identity = match identify(talk) {
-        // One that does not say what it is may drive all the same: whether it answers at all is asked next.
+        // A controller that does not say what it is may still drive: the next question shows whether it answers at all.
         Err(ApparatusError::Device(codes::SILENCE)) => format!("moteus {}", talk.address.id),
         identified => identified?,
     };
@@ -106,7 +106,7 @@ fn let_go_on_timeout(talk: &mut Conversation<'_>) -> Result<String, ApparatusErr
     const LETS_GO: &str = "0";
     let mode = talk.command_line("conf get servo.timeout_mode\n")?;
     match mode.as_deref().filter(|mode| mode.parse::<i32>().is_ok()) {
-        // It says nothing over its stream, or has no such setting; whether it lets go is tried all the same.
+        // The controller says nothing over its stream, or has no such setting; whether it lets go is tried all the same.
         None => Ok("not given by the controller".to_owned()),
         Some(LETS_GO) => Ok("the motor is let go".to_owned()),
         Some(before) => {
@@ -119,7 +119,7 @@ fn let_go_on_timeout(talk: &mut Conversation<'_>) -> Result<String, ApparatusErr
     }
 }
 
-/// Switches the controller on at zero torque, says nothing for as long as the watchdog asks for, and looks whether it has run out.
+/// Switches the controller on at zero torque, sends nothing until its watchdog must have run out, and checks that it has.
 fn try_watchdog(
     talk: &mut Conversation<'_>,
     query: &Query,

@@ -23,7 +23,7 @@ pub(super) const RESTARTED: i32 = 1007;
 pub(super) const NOT_DRIVING: i32 = 1008;
 /// Without commands it goes on driving.
 pub(super) const NO_WATCHDOG: i32 = 1009;
-/// It would not let go of the torque when its watchdog runs out.
+/// It would keep its torque when its watchdog runs out.
 pub(super) const HOLDS_ON_TIMEOUT: i32 = 1010;
 /// Answers take longer than a period.
 pub(super) const SLOW: i32 = 1011;

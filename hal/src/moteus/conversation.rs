@@ -75,7 +75,7 @@ impl<'a> Conversation<'a> {
         }
     }
 
-    /// Says nothing for so long.
+    /// Sends nothing for `time`, unless asked to stop.
     pub(super) fn rest(&self, time: Duration) -> Result<(), ApparatusError> {
         let begun = Instant::now();
         while begun.elapsed() < time {

@@ -1,10 +1,10 @@
 //! A motor behind a moteus controller, over an fdcanusb adapter, its UART, or SocketCAN.
 //!
-//! One frame a tick gives the torque of the tick before and asks for the sensors' readings. The loop waits for the answer, a share of
-//! the period at most, and sleeps meanwhile: if it spun, it would keep the kernel's worker that carries a tty's bytes off the core.
-//! Readings are dated half way between question and answer. An answer that takes much longer than usual was delayed, on its way or
-//! on the question's: it counts as none, rather than be dated wrongly. Successive frames have different sender identifiers, so that
-//! a late answer is not taken for the next one.
+//! One frame a tick gives the torque of the tick before and asks for the sensors' readings. The loop waits for the answer, a
+//! share of the period at most, and sleeps meanwhile: if it spun, it would keep the kernel's worker that carries a tty's bytes
+//! off the core. Readings are dated half way between question and answer. If an answer takes much longer than usual, it or the
+//! question was delayed; it counts as missing, since its date would be wrong. Successive frames have different sender
+//! identifiers, so that a late answer is not taken for the next one.
 //!
 //! The torque goes in the controller's position mode with all gains at zero, since that mode alone takes the watchdog's time with
 //! every command. [`MoteusRig::prepare`] lets the watchdog run out once and sees that it does.
@@ -97,7 +97,7 @@ pub struct MoteusRig {
     drives: bool,
     /// Ticks in a row without an answer.
     unanswered: u32,
-    /// What came instead.
+    /// Code of what came in place of an answer.
     unheard: i32,
     /// Exchanges in a row in which nothing at all was heard.
     silent: u32,

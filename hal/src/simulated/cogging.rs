@@ -10,10 +10,10 @@ use super::ParameterError;
 /// One harmonic of the motor's cogging: what the rotor takes at an angle is torque · sin(periods · angle + phase).
 ///
 /// A slotted motor cogs as many times a turn as the least common multiple of its slots and poles (Z. Q. Zhu and D. Howe,
-/// *Influence of design parameters on cogging torque in permanent magnet machines*, IEEE Trans. Energy Conversion 15, 2000);
-/// what its making leaves unequal adds as many as there are slots, and as many as there are poles (L. Gašparin and others,
-/// *Additional cogging torque components in permanent-magnet motors due to manufacturing imperfections*, IEEE Trans. Magnetics
-/// 45, 2009).
+/// *Influence of design parameters on cogging torque in permanent magnet machines*, IEEE Trans. Energy Conversion 15, 2000).
+/// Manufacturing imperfections add harmonics with as many periods as there are slots, and as there are poles (L. Gašparin and
+/// others, *Additional cogging torque components in permanent-magnet motors due to manufacturing imperfections*, IEEE Trans.
+/// Magnetics 45, 2009).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cogging {

@@ -22,9 +22,9 @@ pub struct Grip {
 impl Default for Grip {
     /// Two fingertips at 20 mm from the axis.
     ///
-    /// Of a fingertip in its own direction of motion A. Z. Hajian and R. D. Howe, *Identification of the mechanical
-    /// impedance at the human finger tip*, J. Biomech. Eng. 119 (1997), report some grams, some N·s/m and several
-    /// hundred N/m, growing with the force of the grip. Taken here: 6 g, 4 N·s/m and 800 N/m.
+    /// For a fingertip in its own direction of motion, A. Z. Hajian and R. D. Howe, *Identification of the mechanical impedance
+    /// at the human finger tip*, J. Biomech. Eng. 119 (1997), report some grams, some N·s/m and several hundred N/m, growing with
+    /// the force of the grip. Taken here: 6 g, 4 N·s/m and 800 N/m.
     fn default() -> Self {
         Self::of_fingertips(2.0, 0.02, 0.006, 4.0, 800.0)
     }

@@ -19,7 +19,7 @@ pub(super) enum Touch {
     },
 }
 
-/// What a body adds to the motor-side body's or cap's equation of a substep once its own velocity is eliminated.
+/// What a body, with its own velocity eliminated, adds to the equation of the motor-side body or the cap for a substep.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Reaction {
     /// Added to the diagonal, mNm·s²/rad.

@@ -30,8 +30,8 @@ impl From<Readings> for Measurement {
 
 /// The rig's three sensors.
 ///
-/// Bandwidth belongs to the sensor and goes on at every substep; noise and quantisation belong to a
-/// reading. Filters take the mean over a substep as held, which is exact for what they are given.
+/// Bandwidth belongs to the sensor: its filters advance at every substep. Noise and quantisation belong to a reading. Filters
+/// treat the mean over a substep as held, which is exact for what they are given.
 #[derive(Debug)]
 pub(super) struct Sensors {
     parameters: RigParameters,

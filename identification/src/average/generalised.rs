@@ -16,7 +16,7 @@ use super::{Agreement, scalar};
 /// Added to the ones of each correlation matrix, so that rounding does not make it indefinite.
 const RIDGE: f64 = 1e-9;
 
-/// The mean of the observations, scatter between them included, and whether they agree without that.
+/// Returns the mean of the observations, allowing for scatter between them, and whether they agree without that scatter.
 pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreement>) {
     let mut names: Vec<&'static str> = Vec::new();
     for name in observations.iter().flat_map(|one| &one.names) {
@@ -69,13 +69,13 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
 
 struct Problem<'a> {
     names: &'a [&'static str],
-    /// Variance of each parameter where an observation has none; also its scale.
+    /// Variance of each parameter to use where an observation has none; also the parameter's scale.
     substitutes: &'a [f64],
     observations: &'a [Observation],
 }
 
 impl Problem<'_> {
-    /// Places of an observation's parameters among all.
+    /// Indices of an observation's parameters in `names`.
     fn places(&self, observation: &Observation) -> Vec<usize> {
         observation.names.iter().filter_map(|name| position(self.names, name)).collect()
     }
@@ -96,7 +96,7 @@ impl Problem<'_> {
                 observation.covariance[(row, column)] / (deviations[row] * deviations[column])
             }
         });
-        // A matrix that is no covariance says no more than its diagonal does.
+        // If the matrix is not positive definite, only its diagonal is used.
         let factor = Cholesky::new(correlation).or_else(|| Cholesky::new(DMatrix::identity(count, count)));
         (factor, deviations)
     }
@@ -121,7 +121,7 @@ impl Problem<'_> {
         for observation in self.observations {
             let places = self.places(observation);
             let (Some(factor), deviations) = self.factor(observation, weighing) else { continue };
-            // The observation of the mean, both counted in their own units.
+            // Selects the observation's parameters; columns count in `scales`, rows in the observation's standard deviations.
             let design = DMatrix::from_fn(places.len(), count, |row, column| {
                 if places[row] == column { scales[column] / deviations[row] } else { 0.0 }
             });

@@ -1,8 +1,8 @@
 //! One model of several captures of the same knob.
 //!
-//! The mean is that of whole parameter vectors: each capture counts with the inverse of its covariance
-//! ([`Fit::covariance`]), so that a capture which tells a sum of two parameters better than each of them
-//! keeps that. Where captures differ by more than their covariances say, the excess is a scatter between captures, estimated
+//! The mean is that of whole parameter vectors: each capture is weighted by the inverse of its covariance
+//! ([`Fit::covariance`]), so that a capture that determines a sum of two parameters better than either of them contributes
+//! that sum. Where captures differ by more than their covariances say, the excess is a scatter between captures, estimated
 //! parameter by parameter after DerSimonian and Laird (Controlled Clinical Trials 7, 1986, 177–188). The scatter always
 //! widens the combined interval. It enters the weights only if the captures disagree ([`Agreement`]), so that captures
 //! that differ count nearly alike. If they agree, a scatter estimated from two captures is mostly chance and
@@ -24,7 +24,7 @@ use observation::{Observation, PERIOD, PHASE};
 pub use scalar::Estimated;
 pub(crate) use scalar::{combined, wrapped};
 
-/// Captures that differ by this multiple of what their intervals allow are not of the same knob, or one went wrong.
+/// If captures differ by this multiple of what their intervals allow, they show different knobs or one of them went wrong.
 const GROSS: f64 = 5.0;
 /// Probability of the disagreement below which it is worth a note, and captures count alike.
 const UNLIKELY: f64 = 1e-3;
@@ -66,11 +66,11 @@ pub struct Average {
     /// Whether the captures agree; `None` for one alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub agreement: Option<Agreement>,
-    /// How each parameter repeats; those that fewer than two captures tell are left out.
+    /// Repeatability of each parameter that at least two captures estimate.
     pub repeatability: BTreeMap<&'static str, Repeatability>,
 }
 
-/// How one parameter repeats from capture to capture.
+/// Repeatability of one parameter from capture to capture.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Repeatability {
     /// The values, capture by capture; `None` where a capture did not identify it.
@@ -135,7 +135,7 @@ impl Average {
 /// Combines fits of captures of the same knob; `None` for none. Rates and sweeps may differ.
 #[must_use]
 pub fn average(fits: &[Fit]) -> Option<Average> {
-    // The fit that knows most effects lends the list of parameters.
+    // The list of parameters is that of the fit with the most effects.
     let most = fits.iter().max_by_key(|fit| fit.effects().len())?;
     let common_angle_rad =
         statistics::mean(fits.iter().map(|fit| statistics::mean(fit.points.iter().map(|point| point.angle_rad))));
@@ -157,7 +157,7 @@ pub fn average(fits: &[Fit]) -> Option<Average> {
     fit.parameters = Parameters(most.parameters.0.iter().map(|parameter| with_mean(parameter, &mean)).collect());
     sums(&mut fit, fits);
     fit.notes = notes(fits, agreement, &repeatability);
-    // A quasi-static fit has a detent for each sinusoid, of which the strongest comes first: the parameters are its values.
+    // A quasi-static fit has a detent for each sinusoid; the parameters are the values of the first, which is the strongest.
     for at in 0..fit.effects.len() {
         let (before, effect) = (&fit.effects[..at], &fit.effects[at]);
         if before.iter().all(|other| other.kind().name != effect.kind().name) {
@@ -174,13 +174,13 @@ pub fn average(fits: &[Fit]) -> Option<Average> {
 
 fn with_mean(parameter: &Parameter, mean: &Observation) -> Parameter {
     let Some(Estimated { value, half_width }) = mean.estimate(parameter.name) else { return parameter.clone() };
-    // The interval stays above zero where the first capture's did.
+    // An interval that ends at zero, the bound of its parameter, still does so.
     let floor = if parameter.ci95.is_some_and(|[low, _]| low == 0.0) { 0.0 } else { f64::NEG_INFINITY };
     let ci95 = Some([(value - half_width).max(floor), value + half_width]);
     Parameter { value: Some(value), ci95, ci95_textbook: None, reason: None, ..parameter.clone() }
 }
 
-/// Covariance of the mean, of the parameters whose covariance a fit gave.
+/// Covariance of the mean, restricted to the parameters whose covariance comes from a fit.
 fn covariance(mean: &Observation) -> Covariance {
     let joint: Vec<usize> = (0..mean.names.len()).filter(|at| mean.joint[*at]).collect();
     let row = |a: &usize| joint.iter().map(|b| mean.covariance[(*a, *b)]).collect();
@@ -230,12 +230,12 @@ fn sums(combined: &mut Fit, fits: &[Fit]) {
     combined.rows = fits.iter().map(|fit| fit.rows).sum();
 }
 
-/// The effect with the combined values where there are some.
+/// The effect with its values replaced by the combined ones where these exist.
 fn with_values(effect: &Effect, parameters: &Parameters) -> Effect {
     let mut effect = *effect;
     let kind = effect.kind();
     for (slot, parameter) in effect.values_mut().iter_mut().zip(kind.parameters) {
-        // The inertia as fitted has the gripper in it; the told one does not.
+        // The effect's inertia includes the gripper; the parameter's does not.
         if kind.name == effects::inertia::KIND.name {
             continue;
         }

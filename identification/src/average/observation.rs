@@ -1,4 +1,4 @@
-//! What one capture tells: a vector of parameters with its covariance.
+//! The estimate from one capture: a vector of parameters with its covariance.
 //!
 //! A capture determines a detent's argument θ/P + S best at its mean angle. Where that angle is not zero, the errors of the phase S
 //! at angle zero and of the period P are correlated. So phases are compared and combined at the mean angle of all captures, on the
@@ -13,26 +13,26 @@ use crate::uncertainty::statistics::{self, NORMAL_95};
 pub(super) const PHASE: &str = "detent_phase";
 pub(super) const PERIOD: &str = "detent_period";
 
-/// The place of a name among others.
+/// Index of a name in a list of names; `None` if it is not there.
 pub(super) fn position(names: &[&'static str], name: &str) -> Option<usize> {
     names.iter().position(|known| *known == name)
 }
 
-/// Parameters that a capture told, in their own order.
+/// The parameters estimated from a capture, in the order of its fit.
 #[derive(Clone, Debug)]
 pub(super) struct Observation {
     pub(super) names: Vec<&'static str>,
     pub(super) values: Vec<f64>,
     /// Covariance, enlarged so that 1.96 standard deviations are the fit's own half widths.
     pub(super) covariance: DMatrix<f64>,
-    /// Whether the covariance comes from the fit; where not, it is from the interval alone.
+    /// Whether each parameter's covariance comes from the fit; otherwise its variance comes from its interval alone.
     pub(super) joint: Vec<bool>,
     /// Degrees of freedom with which the variances are known.
     pub(super) degrees_of_freedom: f64,
 }
 
 impl Observation {
-    /// All that a fit tells. A parameter outside of its covariance (held at zero, or read off the capture) stands by itself.
+    /// All estimates of a fit. A parameter outside its covariance (held at zero, or read off the capture) counts as uncorrelated.
     pub(super) fn of(fit: &Fit) -> Self {
         let estimated: Vec<(&Parameter, f64)> =
             fit.parameters.0.iter().filter_map(|parameter| Some((parameter, parameter.value?))).collect();
@@ -41,7 +41,7 @@ impl Observation {
             .iter()
             .map(|(parameter, _)| position(&known.order, parameter.name).filter(|at| known.rows[*at][*at] > 0.0))
             .collect();
-        // Student's quantile is each parameter's own.
+        // Student's quantile differs from parameter to parameter.
         let scales: Vec<f64> = estimated
             .iter()
             .zip(&places)
@@ -79,7 +79,7 @@ impl Observation {
         Some((self.values[phase], 1.0 / self.covariance[(phase, phase)].max(1e-18)))
     }
 
-    /// Takes a phase at `angle_rad` to angle zero, within half a turn of it.
+    /// Converts the phase from angle `angle_rad` to angle zero and wraps it into (−π, π].
     pub(super) fn back_to_zero(&mut self, angle_rad: f64) {
         self.move_phase(-angle_rad);
         if let Some(at) = position(&self.names, PHASE) {
@@ -87,7 +87,7 @@ impl Observation {
         }
     }
 
-    /// A parameter with the half width of its interval.
+    /// A parameter's value with the half width of its interval; `None` if the capture did not estimate it.
     pub(super) fn estimate(&self, name: &str) -> Option<Estimated> {
         let at = position(&self.names, name)?;
         let half_width = NORMAL_95 * self.covariance[(at, at)].max(0.0).sqrt();
@@ -95,7 +95,7 @@ impl Observation {
     }
 }
 
-/// Takes every capture's phase from angle zero to `angle_rad`, all on the same turn of the circle.
+/// Converts every capture's phase from angle zero to `angle_rad`, and puts all phases within half a turn of their mean.
 pub(super) fn to_angle(observations: &mut [Observation], angle_rad: f64) {
     let (mut sine, mut cosine) = (0.0, 0.0);
     for observation in observations.iter_mut() {

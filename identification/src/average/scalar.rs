@@ -31,8 +31,8 @@ pub(super) fn substitute(variances: impl Iterator<Item = f64>) -> f64 {
     if least.is_finite() { least } else { 1.0 }
 }
 
-/// Variance from one value to the next that their own variances do not explain, zero if they do, after
-/// DerSimonian and Laird.
+/// Variance between the values that their own variances do not explain, after DerSimonian and Laird; zero if they explain
+/// everything.
 pub(super) fn between(known: &[(f64, f64)]) -> f64 {
     let (fixed, total) = weighted(known, 0.0);
     let excess: f64 = known.iter().map(|(value, own)| (value - fixed).powi(2) / own).sum();

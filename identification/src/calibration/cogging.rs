@@ -1,13 +1,13 @@
 //! The motor's cogging, from slow turns without a knob in both directions.
 //!
-//! What of the command reaches neither the torque sensor nor the motor's inertia is the motor's own: friction, which changes its
-//! sign with the direction, and cogging, which does not:
+//! The part of the command that neither reaches the torque sensor nor accelerates the motor is the motor's own torque: friction,
+//! which changes its sign with the direction, and cogging, which does not:
 //!
 //! ```text
 //! command − sensor − J·θ̈ = ±C + Σ H·sin(n·θ + η)
 //! ```
 //!
-//! Turning both ways also cancels what delays of command and encoder do to the phases.
+//! Turning both ways also cancels the effect of the delays of command and encoder on the phases.
 
 use std::f64::consts::TAU;
 
@@ -32,14 +32,14 @@ const FINEST: f64 = 0.5;
 const ROWS_PER_EDGE: f64 = 4.0;
 /// Share of the usual speed below which the motor turns around.
 const TURNING: f64 = 0.5;
-/// Largest share by which the speed may be above the usual one for a turn to be slow throughout.
+/// Largest excess over the usual speed, as a share of it, with which a turn still counts as slow throughout.
 const STEADY: f64 = 1.0;
 /// Usual speed above which inertia and delays are no longer small beside cogging, rad/s.
 const FASTEST_RAD_S: f64 = 3.0;
 
-/// Finds the harmonics of the angle in the motor's torque that stand out of everything else.
+/// Finds the harmonics of the angle that stand out from the rest of the motor's torque.
 ///
-/// `commanded_mnm` is the torque commanded at each sample, held until the next; what compensates for cogging is part of it. Takes
+/// `commanded_mnm` is the torque commanded at each sample, held until the next, including any compensation of the cogging. Takes
 /// torque zero and motor inertia from `known`. Returns the harmonics of the motor's cogging, none for a motor without iron.
 ///
 /// # Errors

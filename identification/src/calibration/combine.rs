@@ -3,7 +3,7 @@
 use super::estimate::{Calibrated, CoggingEstimate, Estimate};
 use crate::average::{Estimated, combined, wrapped};
 
-/// Combines what several captures tell of the same rig; `None` for none.
+/// Combines the calibrations from several captures of the same rig; `None` for none.
 ///
 /// Each quantity is weighted by its interval; where captures disagree beyond their intervals the
 /// combined one is wider. Phases are combined on the circle.

@@ -6,7 +6,7 @@ use super::estimate::{CalibrateError, Calibrated, Estimate, check_command};
 use crate::uncertainty::statistics::half_width;
 use crate::{Fit, FitOptions, Samples, fit};
 
-/// Friction above which something else than the gripper turned, mNm.
+/// Friction above which something other than the gripper must have turned, mNm.
 const FRICTION_MNM: f64 = 0.5;
 
 /// Fits the inertia beyond the torque sensor to a sweep of the gripper alone.
@@ -34,7 +34,7 @@ pub fn gripper(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     Ok(Calibrated { estimates: vec![inertia], notes, ..Calibrated::default() })
 }
 
-/// Fits the motor's inertia and friction to the part of the command that does not reach the torque sensor, as a knob's are fitted.
+/// Fits the motor's inertia and friction, as those of a knob, to the part of the command that does not reach the torque sensor.
 ///
 /// `commanded_mnm` is the torque commanded at each sample, held until the next. Takes zeros and cogging from `known`. Returns
 /// `motor_inertia`, `motor_coulomb_mnm` and `motor_viscous`: the means of both directions.
@@ -86,7 +86,7 @@ pub(super) fn motors_share_mnm(
     known: &Calibration,
 ) -> Result<Vec<f64>, CalibrateError> {
     check_command(samples, commanded_mnm)?;
-    // At a sample the mean of the command that ends and the one that begins acts.
+    // At a sample one command ends and the next begins: their mean acts.
     let share_mnm = |index: usize| {
         let acting_mnm = 0.5 * (commanded_mnm[index.saturating_sub(1)] + commanded_mnm[index]);
         acting_mnm - (samples.torque_mnm[index] - known.torque_zero_mnm)

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! The last term is the encoder's second derivative, taken out in the band in which the encoder is far
-//! quieter than the accelerometer: what detents and stick do to a slow turn does not disturb the sine.
+//! quieter than the accelerometer, so that accelerations caused by detents and stick do not disturb the sine.
 
 use dynamics::Calibration;
 
@@ -19,7 +19,7 @@ use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::uniform::Uniform;
 use crate::samples::span;
 
-/// Band of the comparison, Hz: above whatever a slow turn does, below where the encoder gets noisy.
+/// Upper edge of the comparison, Hz: above the frequencies of a slow turn, below those at which the encoder gets noisy.
 const EDGE_HZ: f64 = 40.0;
 
 /// Fits zero, amplitude and phase of gravity to a turn of at least 360°.
@@ -35,7 +35,7 @@ pub fn gravity(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     if travel_rad < std::f64::consts::TAU {
         return Err(CalibrateError::LessThanATurn { travel_rad });
     }
-    // Only the delay is taken out: the rest of the acceleration's correction is what is looked for.
+    // Only the delay is taken out: zero and gravity, the rest of the acceleration's correction, are to be fitted.
     let delays = Calibration { acceleration_zero_rad_s2: 0.0, gravity_amplitude_rad_s2: 0.0, ..known.clone() };
     let uniform = Uniform::of(samples, Some(&delays));
     let Some(measured) = &uniform.acceleration_rad_s2 else { return Err(CalibrateError::NoAcceleration) };

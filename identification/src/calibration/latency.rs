@@ -29,7 +29,7 @@ const EDGE_PER_SWEEP: f64 = 1.5;
 const LOWEST_EDGE_HZ: f64 = 25.0;
 /// Longest delay that is believed, s.
 const LONGEST_DELAY_S: f64 = 0.1;
-/// Rounds of taking gravity or friction at the delayed motion.
+/// Iterations in which gravity or friction is evaluated at the motion delayed by the last estimate.
 const ROUNDS: usize = 3;
 /// Half widths of their intervals by which coefficients of friction must differ from zero to be kept.
 const SIGNIFICANT: f64 = 2.0;
@@ -129,13 +129,13 @@ fn friction_columns(band: &Band, velocity: Vec<f64>) -> [Vec<f64>; 2] {
     [band.smooth(&direction), velocity]
 }
 
-/// Why a channel tells no delay, if it does not.
+/// The error for a channel that the motion does not explain; `None` if the motion explains enough of it.
 fn unexplained(channel: &'static str, solved: &Solved) -> Option<CalibrateError> {
     let remedy = "take the knob off, calibrate gravity first, and sweep faster";
     solved.unexplained(channel, "the motion of an inertia makes of it", remedy)
 }
 
-/// Solves a relation of which a part depends on the delay that the relation itself gives, by a few rounds.
+/// Solves by fixed-point iteration a relation that depends in part on the delay it determines.
 fn at_its_delay(first_s: f64, relation: impl Fn(f64) -> Solved) -> Solved {
     let mut solved = relation(first_s);
     for _ in 1..ROUNDS {

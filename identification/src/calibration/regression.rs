@@ -11,7 +11,7 @@ use crate::uncertainty::statistics::{MEDIAN_MAGNITUDE, deviation_of_sum, mean, m
 const OUTLIER: f64 = 5.0;
 /// Most rounds of leaving out outliers.
 const ROUNDS: usize = 5;
-/// Share of a channel that the relation may leave unexplained.
+/// Largest share of a channel's standard deviation that the relation may leave unexplained.
 pub(super) const UNEXPLAINED: f64 = 0.5;
 /// Time at each end in which the filter settles, in periods of the band's edge.
 const SETTLING: f64 = 2.0;
@@ -34,12 +34,12 @@ pub(super) struct Solved {
 }
 
 impl Solved {
-    /// Half width of the 95 % interval of a quantity with the given derivatives by the coefficients.
+    /// Half width of the 95 % interval of a quantity whose derivatives by the coefficients are given.
     pub(super) fn half_width(&self, derivatives: &[f64]) -> f64 {
         student_95(self.covariance.degrees_of_freedom) * deviation_of_sum(&self.covariance.matrix, derivatives)
     }
 
-    /// Why a channel tells nothing, if most of it is not what is `expected`.
+    /// The error for a channel most of which is not what is `expected`; `None` if the relation explains enough of it.
     pub(super) fn unexplained(
         &self,
         channel: &'static str,
@@ -57,7 +57,7 @@ impl Band {
         low_pass(4, self.edge_hz, self.rate_hz, signal)
     }
 
-    /// Solves for columns and a target that lie in the band already.
+    /// Solves for columns and a target that are already limited to the band.
     pub(super) fn solve(&self, columns: &[Vec<f64>], target: &[f64]) -> Solved {
         let step = row_step(self.edge_hz, self.rate_hz);
         let settling = ((SETTLING * self.rate_hz / self.edge_hz) as usize).min(target.len() / 4);
@@ -76,7 +76,7 @@ impl Band {
                 break;
             }
             kept = near;
-            // A row of zeros takes no part and keeps the others at their distance in time.
+            // A row of zeros has no weight, and the other rows keep their distances in time.
             for row in outliers {
                 target[row] = 0.0;
                 columns.iter_mut().for_each(|column| column[row] = 0.0);

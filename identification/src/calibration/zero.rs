@@ -10,7 +10,7 @@ use crate::uncertainty::statistics::{mean, mean_and_error, student_95};
 
 /// Travel up to which the rig counts as at rest, rad.
 const REST_RAD: f64 = 2e-3;
-/// Stretches of which the means are compared: what wanders more slowly than they last shows as scatter.
+/// Stretches whose means are compared: a drift slower than a stretch shows as scatter of the means.
 const STRETCHES: usize = 30;
 /// Steps that a signal must span for its variance to show its noise: on two levels the variance depends on where the mean lies between them.
 const FEWEST_STEPS: f64 = 1.5;
@@ -19,7 +19,7 @@ const TERMS: u32 = 8;
 
 /// Averages torque and acceleration of a rig at rest with nothing on the gripper.
 ///
-/// Takes gravity from `known`, at the angle at which the rig rests: the interval leaves out gravity's own
+/// Takes gravity from `known`, at the angle at which the rig rests; the interval does not include gravity's own
 /// error. Returns `torque_zero_mnm` and, where there is an accelerometer, `acceleration_zero_rad_s2`.
 ///
 /// # Errors

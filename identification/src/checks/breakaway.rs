@@ -33,7 +33,7 @@ pub struct Breakaway {
     pub angle_rad: f64,
     /// Direction in which it broke away.
     pub direction: Direction,
-    /// Torque on it as it broke away, sensor's zero taken out, mNm; detents included.
+    /// Torque on the knob as it broke away, mNm: without the sensor's zero, detents included.
     pub torque_mnm: f64,
 }
 
@@ -66,7 +66,7 @@ pub fn breakaways(samples: &Samples<'_>, known: Option<&Calibration>) -> Result<
         if rested >= rest && moved.abs() > 10.0 * away_rad {
             let direction = Direction::of(moved);
             let sign = direction.sign();
-            // The torque falls once the knob slides: its peak is the breakaway, a short mean keeps noise out of it.
+            // The torque falls once the knob slides, so its peak is the breakaway; a short mean keeps noise out of the peak.
             let peak = samples.torque_mnm[index - read..=index]
                 .windows(average)
                 .map(|part| sign * mean(part))

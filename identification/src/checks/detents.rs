@@ -36,7 +36,7 @@ pub struct DetentCount {
     pub turned_rad: f64,
     /// Detents in it.
     pub detents: u32,
-    /// Detents in a full turn, as the spacing of the counted ones makes it.
+    /// Detents in a full turn, from the mean spacing of those counted.
     pub per_turn: f64,
     /// Detent period P = spacing/2π, rad.
     pub period_rad: f64,
@@ -87,8 +87,8 @@ pub enum CountError {
 
 /// Counts detents in the torque over the angle of a turn there and back.
 ///
-/// The mean of both directions' torque has no friction in it that is the same at every angle. Its rising
-/// zero crossings are the detents.
+/// Friction that is the same at every angle cancels in the mean of both directions' torques. The rising
+/// zero crossings of this mean are the detents.
 ///
 /// # Errors
 /// [`CountError`] for a capture that does not turn both ways, or a knob without detents.
@@ -220,8 +220,8 @@ impl Profile {
     }
 }
 
-/// Places at which values rise through zero, from below −`threshold` to above `threshold`: noise about zero is no crossing. A place
-/// counts in samples from the first value.
+/// Positions, in samples from the first value, at which values rise through zero from below −`threshold` to above `threshold`, so
+/// that noise about zero is no crossing.
 #[must_use]
 pub fn rising_crossings(values: &[f64], threshold: f64) -> Vec<f64> {
     let mut crossings = Vec::new();
@@ -243,7 +243,7 @@ pub fn rising_crossings(values: &[f64], threshold: f64) -> Vec<f64> {
     crossings
 }
 
-/// The values with short gaps, as missed ticks and slips leave them, bridged by straight lines.
+/// The values with short gaps, such as missed ticks and slips leave, bridged by straight lines.
 fn bridged(values: &[Option<f64>]) -> Vec<Option<f64>> {
     let mut bridged = values.to_vec();
     let mut before: Option<(usize, f64)> = None;

@@ -1,4 +1,4 @@
-//! Lost motion seen without a fit: the knob turns, and next to nothing holds it until it meets what is behind.
+//! Lost motion seen without a fit: the knob turns under next to no torque until it meets a contact.
 
 use dynamics::Calibration;
 
@@ -90,7 +90,7 @@ impl Bins {
         Self { t_s: means(samples.t_s), angle_rad, torque_mnm, steps_rad, little_mnm: NEXT_TO_NONE * largest_mnm }
     }
 
-    /// The bin up to which the knob goes on from `start` evenly, in one direction and under next to no torque.
+    /// The bin up to which the knob turns on from `start` evenly, in one direction and under next to no torque.
     fn free_until(&self, start: usize) -> usize {
         let mut end = start;
         while end < self.steps_rad.len() && self.torque_mnm[end].abs() <= self.little_mnm {
@@ -105,7 +105,7 @@ impl Bins {
         end
     }
 
-    /// Whether something held the knob just before the start or just beyond the end of a free travel.
+    /// Whether a contact held the knob just before the start or just beyond the end of a free travel.
     fn touches(&self, start: usize, end: usize) -> bool {
         let travel = self.angle_rad[end] - self.angle_rad[start];
         let is_near =

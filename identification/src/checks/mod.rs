@@ -1,6 +1,6 @@
-//! What a capture tells without a fit: detents counted, breakaways read off, lost motion seen.
+//! Checks of a capture without a fit: counting detents, reading off breakaways, finding lost motion.
 //!
-//! Nothing here shares a step with [`fit`](crate::fit()) but the samples themselves, so that agreement
+//! These checks share only the samples with [`fit`](crate::fit()), not its steps, so that agreement
 //! means something. The paper does the same by hand: its periods agreed with detents counted over 360°
 //! within 4.8, 1.6 and 9.9 % for knobs 3, 4 and 5 (section 4.3).
 

@@ -64,7 +64,7 @@ impl AngleBins {
         let columns = DVectorView::from_slice(row, row.len());
         self.gram.ger(1.0, &columns, &columns, 1.0);
         self.make_room(angle_rad);
-        // Shared between the two nearest bin middles, so that a bin's width hardly shows.
+        // Each sample is shared between the two nearest bin middles, so that the bins' width has little effect.
         let place = angle_rad / self.bin_rad - 0.5 - self.first as f64;
         let lower = place.floor();
         let share = place - lower;
@@ -152,7 +152,7 @@ impl AngleBins {
 
     /// Sum of squares that the base coefficients leave of the unfiltered torque.
     fn residual_square(&self, coefficients: &[f64]) -> f64 {
-        // The residual is the sum of all columns, the torque's the last, with these weights.
+        // The residual is the sum of all columns, the torque last, with these weights.
         let weights = coefficients.iter().map(|value| -value).chain([1.0]);
         let weights = DVector::from_iterator(self.gram.nrows(), weights);
         weights.dot(&(&self.gram * &weights)).max(0.0)

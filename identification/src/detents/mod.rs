@@ -23,12 +23,12 @@ const RIVAL: f64 = 0.5;
 const WORTHWHILE_SHARE: f64 = 0.25;
 /// … or have this amplitude relative to the RMS of the torque: less is a ripple, felt by nobody.
 const WORTHWHILE_AMPLITUDE: f64 = 0.1;
-/// A detent must reduce the sum of squares by this many times what the null test does: the second best other period
-/// in the residual beside the detent, since the best one may be a further true sinusoid …
+/// A detent must reduce the sum of squares by this many times the null test's reduction. The null test is the second best other
+/// period in the residual beside the detent, since the best one may be a further true sinusoid …
 const NULL_TEST: f64 = 2.0;
 /// … and this many times where the travel holds few of its periods: then any bend in the torque looks like it.
 const NULL_TEST_OF_FEW: f64 = 20.0;
-/// Beside springs and gravity it must still take away this many times what the null test does there.
+/// Beside springs and gravity a detent must still reduce the sum of squares by this many times the null test's reduction there.
 const BESIDE_BENDS: f64 = 10.0;
 /// A spring of any stiffness up to the third power of its deflection, and gravity.
 const BENDS: usize = 5;
@@ -62,8 +62,8 @@ pub(crate) struct Solved<'a> {
     pub(crate) is_unsettled: bool,
 }
 
-/// Searches all periods that the travel supports, refines the strongest and weighs the evidence; the error is why the data can tell no
-/// detents.
+/// Searches all periods that the travel supports, refines the strongest and weighs the evidence; the error says why no detents
+/// can be identified.
 pub(crate) fn search<'a>(
     base: &Problem<'a>,
     base_solution: &LeastSquares,
@@ -115,7 +115,7 @@ pub(crate) fn search<'a>(
     let after = dot(&solution.residual, &solution.residual);
     let share = 1.0 - after / left;
     let detents = &problem.columns[range.clone()];
-    // The background is read with the detent taken out, whose side lobes would else stand in it.
+    // The background is read with the detent taken out; otherwise the detent's side lobes would raise it.
     let rest = scan.powers(base, &solution.residual);
     let background = scan.background(&rest, 1.0 / period_rad);
     let clear = left - after > needed * background;
@@ -166,7 +166,7 @@ pub(crate) fn search<'a>(
     Ok(Solved { problem, solution, no_detents: None, aliases_rad, harmonics, is_unsettled })
 }
 
-/// Whether springs and gravity, fitted beside the base model, leave little of what a detent of `wavenumber` explains with its columns.
+/// Whether a detent of `wavenumber` with the columns `detent` explains little once springs and gravity are fitted too.
 fn is_bend(base: &Problem<'_>, scan: &Scan, detent: &[Column], wavenumber: f64) -> bool {
     let bends = bends(base);
     let residual = |columns: &[&[Column]]| LeastSquares::solve(&columns.concat(), &base.target).residual;

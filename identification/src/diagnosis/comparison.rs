@@ -1,4 +1,4 @@
-//! What of a held-out capture can be compared with a model of the training capture.
+//! The part of a held-out capture that can be compared with a model of the training capture.
 
 use dynamics::effects;
 
@@ -10,12 +10,12 @@ use super::search::found::Found;
 pub(crate) const BEYOND: &str = "the detents are unequal: where the held-out capture goes beyond the angles of the training capture it is \
                       left out; capture a whole turn to have every detent";
 
-/// What of the held-out capture is compared.
+/// How the held-out capture is compared with the model.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Comparison {
     /// Its encoder's zero, where that is not the training capture's.
     pub(crate) zero: Option<EncoderZero>,
-    /// Whether each detent is different: those that the knob was not turned through in the training capture are unknown.
+    /// Whether the detents are unequal: then those that the training capture did not pass are unknown.
     pub(crate) are_unequal: bool,
 }
 
@@ -29,7 +29,7 @@ impl Comparison {
         self.zero.map_or_else(|| given.clone(), |zero| zero.taken_out_of(given))
     }
 
-    /// The same without the angles beyond the training capture's; `None` where they need not be left out.
+    /// The held-out capture without the angles beyond the training capture's; `None` where they need not be left out.
     pub(crate) fn within(self, train: &Capture, given: &Capture) -> Option<Capture> {
         if self.are_unequal { self.moved(given).within(train) } else { None }
     }

@@ -25,7 +25,7 @@ pub enum DiagnosisError {
          both captures are of one knob and in the same units (rad, mNm)"
     )]
     DifferentUnits {
-        /// What the prediction would have to be multiplied by.
+        /// The factor by which the prediction would have to be multiplied.
         factor: f64,
     },
     /// The torque hardly rises above the noise.

@@ -1,4 +1,4 @@
-//! What a diagnosis tells.
+//! The result of a diagnosis.
 
 use std::collections::BTreeMap;
 
@@ -57,7 +57,7 @@ pub struct Diagnosis {
     pub forward_from_command: Option<ForwardFromCommand>,
     /// What was added, in this order.
     pub steps: Vec<Step>,
-    /// What has no name and is part of the final model all the same: measured over the coordinate that it goes with.
+    /// Torques without a name that are part of the final model: each measured over the coordinate on which it depends.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub characteristics: Vec<Characteristic>,
     /// Effects that explain part of what is outside the catalogue; not names of what is missing.
@@ -103,7 +103,7 @@ pub const FLOOR_IS_DOUBTFUL: &str = "The residual is below the noise floor, so t
      and more than noise acted there. Effects below that floor are not found: judge by the residual torque.";
 
 impl Diagnosis {
-    /// Whether the model leaves so little that the noise floor cannot be what it is taken for.
+    /// Whether the model leaves so little that the noise floor must have been overestimated.
     #[must_use]
     pub fn is_floor_doubtful(&self) -> bool {
         self.heldout_rms_after < DOUBTFUL * self.noise_floor_rms
@@ -122,7 +122,7 @@ impl Diagnosis {
         }
     }
 
-    /// The capture that was trained on, and the one held out, of those given as such.
+    /// Exchanges the two values given for the training and the held-out capture if the captures were exchanged.
     pub fn in_their_roles<T>(&self, train: T, heldout: Option<T>) -> (T, Option<T>) {
         match heldout {
             Some(heldout) if self.captures_are_exchanged => (heldout, Some(train)),
@@ -134,7 +134,7 @@ impl Diagnosis {
 /// How well the held-out motion follows from the torque commanded from the rig's motor.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ForwardFromCommand {
-    /// RMS error of the angle predicted over a window, rad: with the first model, and then with each step's effect more.
+    /// RMS error of the angle predicted over a window, rad: with the first model, then with each step's effect added in turn.
     pub angle_rms_rad: Vec<f64>,
     /// Time after which a prediction is started anew, s.
     pub window_s: f64,
@@ -182,7 +182,7 @@ pub struct Step {
     pub placebo_rms: f64,
     /// Other effects in its place, best first.
     pub rivals: Vec<Rival>,
-    /// Those among them that the captures cannot tell from it.
+    /// Those rivals that the captures cannot distinguish from this effect.
     pub ties: Vec<&'static str>,
 }
 
@@ -223,7 +223,7 @@ pub struct Rival {
     /// Posterior probability among the chosen effect and all rivals, with even prior odds.
     #[serde(deserialize_with = "number_or_nan")]
     pub probability: f64,
-    /// Why it cannot be the one, if so: a parameter on its bound.
+    /// The reason why it cannot be the missing effect, such as a parameter on its bound; `None` if it can be.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub disqualified: Option<String>,
 }
@@ -235,7 +235,7 @@ pub struct Partial {
     pub effect: &'static str,
     /// Share that it takes away of the mean square left of both captures above the noise, %; at most 100.
     pub explains_percent: f64,
-    /// Why it cannot be what is missing, if so: a parameter on its bound.
+    /// The reason why it cannot be the missing effect, such as a parameter on its bound; `None` if it can be.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub disqualified: Option<String>,
 }
@@ -245,7 +245,7 @@ pub struct Partial {
 pub struct Characteristic {
     /// The effect of the model that holds it.
     pub effect: &'static str,
-    /// What it goes with.
+    /// The coordinate on which it depends.
     pub coordinate: &'static str,
     /// Points of the spline.
     pub points: Vec<CharacteristicPoint>,
@@ -285,7 +285,7 @@ pub struct NextExperiment {
     pub reason: String,
 }
 
-/// A number as JSON has it: null where it is not finite.
+/// Reads a number from JSON, where null stands for one that is not finite.
 pub(super) fn number_or_nan<'de, D: serde::Deserializer<'de>>(json: D) -> Result<f64, D::Error> {
     Ok(Option::<f64>::deserialize(json)?.unwrap_or(f64::NAN))
 }

@@ -1,7 +1,7 @@
 //! What a model lacks to explain a capture: located, named and tested.
 //!
-//! `capture` makes the two captures ready, `model_fit` fits a model to one, `search` tries effect after effect, and `verdict` says what
-//! was found. [`diagnose`] goes through them.
+//! `capture` prepares the two captures, `model_fit` fits a model to one, `search` tries effect after effect, and `verdict`
+//! reports the result. [`diagnose`] calls them in this order.
 
 mod capture;
 mod comparison;

@@ -1,4 +1,4 @@
-//! The way from a capture and a model to a verdict.
+//! The steps from a capture and a model to a verdict.
 
 use dynamics::{Axis, Calibration, Model, effects};
 
@@ -20,7 +20,7 @@ const NOISIEST: f64 = 0.1;
 /// Bands are not halved below this edge, Hz.
 const NARROWEST_HZ: f64 = 8.0;
 
-/// Most searches, each with the angle between two zeros of the encoder as the one before left it.
+/// Most searches, each with the angle between the encoder's two zeros that the search before it found.
 const MOST_ROUNDS: usize = 3;
 
 /// What a diagnosis may be told; nothing need be.
@@ -43,7 +43,7 @@ pub struct DiagnoseOptions<'a> {
 /// How far a diagnosis has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress {
-    /// An effect was tried; so many of so many in this step.
+    /// An effect was tried, `done` of `of` in this step.
     Tried {
         /// Its name.
         effect: &'static str,
@@ -61,9 +61,9 @@ pub enum Progress {
     },
 }
 
-/// [`diagnose`], and once more with the captures exchanged where something is missing that has no name: the training capture's motion may tell
-/// too little of it to predict the other one. If that names an effect, it is the answer ([`Diagnosis::captures_are_exchanged`]). A delay
-/// alone does not count: most recordings have one.
+/// [`diagnose`], repeated with the captures exchanged if something without a name is missing: the training capture's motion may
+/// show too little of it to predict the other capture. If the repetition names an effect, it is the answer
+/// ([`Diagnosis::captures_are_exchanged`]). A delay alone does not count: most recordings have one.
 ///
 /// # Errors
 /// As [`diagnose`].
@@ -96,7 +96,7 @@ const EXCHANGED: &str = " The captures were exchanged: models were fitted to the
                          tells too little of what is missing.";
 
 /// Finds what a model lacks: names the missing effects, or says that nothing is missing, or that something is missing
-/// which no effect of the catalogue explains.
+/// that no effect of the catalogue explains.
 ///
 /// Without a held-out capture, stretches of the training capture are held out, which is weaker evidence.
 ///
@@ -161,14 +161,14 @@ pub fn diagnose(
 }
 
 impl Search<'_> {
-    /// Takes out what is superfluous and measures what has no name.
+    /// Removes superfluous effects and measures torques without a name.
     fn conclude(&self, found: &mut Found) -> Verdict {
         self.eliminate(found);
         let verdict = self.verdict(found);
         if verdict != Verdict::None {
             self.measure_the_rest(found);
         }
-        // What is left and can be measured is missing, however little it is.
+        // A residual that can be measured shows that something is missing, however little it is.
         if found.characteristics.is_empty() { verdict } else { Verdict::OutsideLibrary }
     }
 }

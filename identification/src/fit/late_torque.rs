@@ -1,4 +1,4 @@
-//! Estimates of a torque that is late.
+//! Estimates that allow for a late torque.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -15,7 +15,7 @@ use crate::regression::problem::Problem;
 const DELAY_STEPS: usize = 3;
 /// A shorter lag takes less than a ten-thousandth off the fastest torques of the band.
 const LEAST_LAG_ROWS: f64 = 0.004;
-/// Excess of a lag's sum of squares over a delay's up to which the lag counts as likely too, in mean squares of a row: two nats.
+/// A lag counts as likely too if its sum of squares exceeds a delay's by at most this many mean squares of a row: two nats.
 const WORSE_BY: f64 = 4.0;
 
 /// The shifts of the estimates if the torque is delayed as a whole, and if it lags behind a first-order low-pass, which also attenuates fast
@@ -27,7 +27,7 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix
     let is_long = trimmed.delay.is_some() && delay_s.abs() * rate_hz >= 1.0;
     let lag_rows = delay_s * rate_hz / row_filter.step as f64;
     let mut shifts = Vec::new();
-    // The aligned torque would have to be projected off measured curves, as the fitted torque was.
+    // With measured curves, the aligned torque would have to be projected off them, as the fitted torque was.
     if trimmed.curves.is_some() || !is_long && lag_rows < LEAST_LAG_ROWS {
         return shifts;
     }

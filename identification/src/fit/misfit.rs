@@ -1,11 +1,12 @@
 //! How far the estimates move between fits that would agree if the model were right.
 //!
-//! An interval for residuals that are correlated holds if the model is right. On a real machine it seldom is: a weight, a spring,
-//! friction that rises from near zero speed, a torque that is late, a band in which something rings. The parameters then depend on
-//! which speeds and which frequencies they were fitted to. They are fitted again with the rows next to where the knob turns round
-//! without a rest, which the fit leaves out since its filters reach across; to half the band; to the faster and to the slower half of
-//! the motion; beside effects that the model lacks (`omitted.rs`); and with a torque that is late (`late_torque.rs`). Where an estimate moves by
-//! more than chance explains (J. A. Hausman, Econometrica 46, 1978, 1251–1271), its interval reaches to where the other estimate puts it.
+//! An interval that allows for correlated residuals holds if the model is right. On a real machine the model seldom is: there
+//! may be a weight, a spring, friction that rises from near zero speed, a late torque, a band in which something rings. The
+//! parameters then depend on the speeds and frequencies to which they were fitted. They are fitted again with the rows next to
+//! where the knob turns round without a rest, which the fit leaves out since its filters reach across; to half the band; to the
+//! faster and to the slower half of the motion; beside effects that the model lacks (`omitted.rs`); and with a late torque
+//! (`late_torque.rs`). Where an estimate moves by more than chance explains (J. A. Hausman, Econometrica 46, 1978, 1251–1271),
+//! its interval reaches to the other estimate.
 
 use nalgebra::{DMatrix, RowDVector};
 
@@ -70,8 +71,8 @@ impl Misfit {
         Self { others: others.chain(late_torque::shifts(trimmed, torque_mnm, robust)).collect(), unbounded, note }
     }
 
-    /// Half width of the 95 % interval of Σ `derivatives`ⱼ·coefficientⱼ, of which the fit alone gives the half width `by_chance` and the
-    /// variance `fitted`.
+    /// Half width of the 95 % interval of Σ `derivatives`ⱼ·coefficientⱼ, whose half width and variance from the fit alone are
+    /// `by_chance` and `fitted`.
     pub(crate) fn half_width(&self, derivatives: &RowDVector<f64>, by_chance: f64, fitted: f64) -> f64 {
         let beyond = self.others.iter().map(|Shift { change, covariance, is_of_better_model }| {
             let other = (derivatives * covariance).dot(derivatives);

@@ -65,7 +65,7 @@ pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError>
     if sorted.is_some() {
         fit.notes.push("the samples were not in the order of time; the fit took them in that order".to_owned());
     }
-    // It explains whatever else is noted.
+    // This note comes first, since opposite signs explain any other note.
     let opposite = opposite_signs(&in_time, options, &fit);
     fit.notes.splice(0..0, opposite);
     fit.axis = options.axis;
@@ -80,10 +80,10 @@ pub(crate) fn fit_without_notes(samples: &Samples<'_>, options: &FitOptions) -> 
 
 /// Relative error of a fit, %, from which the signs of torque and angle are in doubt.
 const IN_DOUBT_PERCENT: f64 = 20.0;
-/// The inverted torque is the right one if its fit has less than this share of the relative error.
+/// The inverted torque is taken for the right one if its fit has less than this share of the relative error.
 const BETTER: f64 = 0.75;
 
-/// A note on torque and angle of opposite signs, of which no inertia and no friction can be fitted.
+/// A note on torque and angle of opposite signs, to which no inertia and no friction can be fitted.
 fn opposite_signs(samples: &Samples<'_>, options: &FitOptions, fit: &Fit) -> Option<String> {
     if fit.relative_error_percent < IN_DOUBT_PERCENT {
         return None;

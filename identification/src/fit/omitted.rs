@@ -1,4 +1,4 @@
-//! Estimates beside effects that the fit leaves out and many machines have.
+//! Estimates beside effects that many machines have and the fit leaves out.
 
 use dynamics::effects::friction;
 use nalgebra::{DMatrix, DVector};
@@ -15,8 +15,8 @@ const FRICTION_SPEED: f64 = 0.2;
 /// Travel below which a weight looks like a constant torque with a slight bend, rad.
 const FAR_RAD: f64 = 1.0;
 
-/// Least share of an omitted column's square that the fit's columns must leave: a smaller rest may be noise of the motion, as where a
-/// sinusoidal sweep makes angle and acceleration alike.
+/// Least share of an omitted column's square that the fit's columns must leave: a smaller remainder may be noise of the motion,
+/// for example where a sinusoidal sweep makes angle and acceleration alike.
 const INSEPARABLE: f64 = 1e-2;
 /// Possible length of a delay that the capture cannot show, in samples: a torque held from one sample to the next is late by half a sample.
 const UNSEEN_DELAY_SAMPLES: f64 = 0.5;
@@ -25,7 +25,7 @@ const WORTH_A_NOTE: f64 = 0.25;
 
 /// Omitted effects that are alike.
 struct Group {
-    /// What they are, as a subject.
+    /// Name of the group, as the subject of a sentence.
     name: String,
     columns: Vec<Omitted>,
 }
@@ -33,8 +33,8 @@ struct Group {
 /// A column of an omitted effect.
 pub(super) struct Omitted {
     pub(super) column: Column,
-    /// Whether only the part of the column beyond the model's own friction counts. With the whole column, the fitted levels of friction
-    /// would be those at the start, at standstill or at one angle.
+    /// Whether only the part of the column beyond the model's own friction counts. With the whole column, the fitted levels of
+    /// friction would apply to the start, to standstill or to one angle alone.
     pub(super) is_beyond_friction: bool,
 }
 
@@ -106,7 +106,7 @@ fn rest_angle(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<[Shift; 2]
 /// The omitted effects.
 fn groups(trimmed: &Trimmed<'_>) -> Vec<Group> {
     let mut groups = Vec::new();
-    // A torque measured over the angle holds what these would.
+    // A torque measured over the angle already contains these effects.
     if trimmed.curves.is_none() {
         groups.extend(of_motion(trimmed));
     }
@@ -161,14 +161,14 @@ fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
 pub(super) struct Beside {
     /// Residual of the omitted column after regression on the fit's columns.
     pub(super) rest: Vec<f64>,
-    /// Change of the fit's coefficients for one unit of its own.
+    /// Change of the fit's coefficients per unit of the omitted column's coefficient.
     pub(super) change: DVector<f64>,
     /// Whether `rest` is more than noise, relative to the part of the column that the friction columns do not explain.
     pub(super) is_separable: bool,
 }
 
 impl Beside {
-    /// `None` where friction has no columns.
+    /// `None` without a friction effect, and where its fitted columns are dependent.
     pub(super) fn of(omitted: &Omitted, Trimmed { problem, columns, solution, .. }: &Trimmed<'_>) -> Option<Self> {
         let Omitted { column, is_beyond_friction } = omitted;
         let effect = problem.effects.iter().position(|effect| effect.kind().name == friction::KIND.name)?;

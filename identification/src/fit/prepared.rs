@@ -1,4 +1,4 @@
-//! What is fitted in one band.
+//! The prepared data of one band, and the problems fitted to them.
 
 use dynamics::{Calibration, Effect, Part, effects};
 
@@ -22,7 +22,7 @@ use crate::uncertainty::statistics::quantile;
 
 /// Step of an encoder that is coarse for a servo, rad: 17 bits in a turn.
 const COARSE_STEP_RAD: f64 = 5e-5;
-/// Ratio of two steps that are not the same.
+/// Ratio from which two steps count as different.
 const DIFFERENT_STEPS: f64 = 1.1;
 
 impl<'a> Prepared<'a> {
@@ -44,7 +44,7 @@ impl<'a> Prepared<'a> {
         self.row_filter.checked().map(|()| self)
     }
 
-    /// All but the detents.
+    /// The problem without detents.
     fn base(&self, options: &FitOptions) -> Problem<'_> {
         let base = [Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];
         let further = options.further_effects.iter().copied();
@@ -73,7 +73,7 @@ impl<'a> Prepared<'a> {
         })
     }
 
-    /// The torque over the angle, measured beside all that the fit has anyway.
+    /// The torque over the angle, measured beside the base effects of the fit; `None` if it cannot be measured.
     pub(super) fn measure(&self, options: &FitOptions) -> Option<Measured> {
         let Self { motion, torque_mnm, row_filter, .. } = self;
         let base = self.base(options);
@@ -95,7 +95,7 @@ impl<'a> Prepared<'a> {
         })
     }
 
-    /// A wider band, if the detents found need it.
+    /// A wider band if the detents found need it, else `None`.
     pub(super) fn band_for(&self, solved: &Solved<'_>) -> Option<Band> {
         if solved.no_detents.is_some() {
             return None;
@@ -170,8 +170,8 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// A note on an encoder whose steps are others than the rig's calibration has, or are coarse and unknown to it: a servo that does
-/// not know of them makes noise.
+/// A note on an encoder whose steps differ from those in the rig's calibration, or are coarse and missing there: a servo that
+/// does not know its encoder's steps makes noise.
 fn encoder_note(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Option<String> {
     let known_rad = calibration?.angle_step_rad;
     let seen_rad = encoder_step(samples.angle_rad)?;

@@ -57,7 +57,7 @@ impl<'a> Report<'a> {
         Self { trimmed, band, calibration, robust, textbook: trimmed.solution.textbook_covariance(), misfit }
     }
 
-    /// All that the settled problem tells; `no_detents` is the reason if there are none.
+    /// The fit that follows from the settled problem; `no_detents` is the reason if there are no detents.
     pub(crate) fn fit(&self, no_detents: Option<String>) -> Fit {
         let Trimmed { columns, .. } = self.trimmed;
         let effects = self.trimmed.effects();
@@ -100,7 +100,7 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// What a reader should know besides.
+    /// Further notes for the reader.
     fn notes(&self, parameters: &Parameters) -> Vec<String> {
         let mut notes: Vec<String> = negative_friction(parameters).into_iter().collect();
         notes.extend(one_sided_friction_of(parameters));
@@ -189,8 +189,8 @@ impl<'a> Report<'a> {
         critical * rms(&solution.residual) / dot(&columns[column], &columns[column]).sqrt()
     }
 
-    /// Why a friction column cannot be told apart from the other one of its direction, and what is known of both together:
-    /// the speed varies by little more than the encoder's noise.
+    /// The reason why a friction column cannot be separated from the other one of its direction, with their sum: the speed
+    /// varies by little more than the encoder's noise. `None` if they can be separated.
     fn at_one_speed(&self, column: usize, critical: f64) -> Option<String> {
         let Trimmed { columns, solution, problem, .. } = self.trimmed;
         let friction = problem.effects.iter().position(|effect| effect.kind().name == effects::friction::KIND.name)?;
@@ -219,8 +219,8 @@ impl<'a> Report<'a> {
         ))
     }
 
-    /// Why a Coulomb friction cannot be separated from a constant torque, and the sum of both directions, which can: without the bound at
-    /// zero one direction's friction would surely be negative, and the other's positive.
+    /// The reason why a Coulomb friction cannot be separated from a constant torque, with the sum of both directions, which can:
+    /// without the bound at zero one direction's friction would surely be negative and the other's positive. `None` otherwise.
     fn beside_a_load(&self, column: usize, name: &str, critical: f64) -> Option<String> {
         let Trimmed { columns, solution, problem, .. } = self.trimmed;
         let (levels, _) = problem.both_ways()?;
@@ -345,7 +345,8 @@ impl<'a> Report<'a> {
     }
 }
 
-/// What viscous friction may mean that is surely below zero: a knob does not drive itself.
+/// A note on the possible causes of viscous friction that is surely below zero, since a knob does not drive itself; `None` if
+/// there is none.
 fn negative_friction(parameters: &Parameters) -> Option<String> {
     let is_negative = |known: &&Parameter| known.ci95.is_some_and(|[_, high]| high < 0.0);
     let viscous = parameters.0.iter().filter(|known| known.name.starts_with("viscous"));
@@ -367,7 +368,7 @@ fn one_sided_friction_of(parameters: &Parameters) -> Option<String> {
     if low > to || from > high { one_sided_friction([negative, positive]) } else { None }
 }
 
-/// What Coulomb friction that differs much between the directions may mean besides.
+/// A note on Coulomb friction that differs much between the directions, which may have another cause; `None` without one.
 pub(crate) fn one_sided_friction([negative, positive]: [f64; 2]) -> Option<String> {
     ((positive - negative).abs() > ONE_SIDED * (positive + negative)).then(|| {
         format!(

@@ -20,10 +20,10 @@ pub(crate) struct Trimmed<'a> {
     pub(crate) problem: Problem<'a>,
     /// All columns: the effects' linear ones, then those of searched parameters, then that of the delay if it is fitted.
     pub(crate) columns: Vec<Column>,
-    /// What they were fitted to: the problem's target, without what measured curves do.
+    /// The target of the fit: the problem's target, its part beyond measured curves projected off their points.
     pub(crate) target: Column,
     pub(crate) solution: LeastSquares,
-    /// Measured curves of which the columns have been freed.
+    /// Measured curves off which the columns have been projected.
     pub(crate) curves: Option<CurveProjection>,
     /// Delay of the torque behind the motion that was allowed for, s.
     pub(crate) delay_s: f64,
@@ -31,7 +31,7 @@ pub(crate) struct Trimmed<'a> {
     pub(crate) delay: Option<OmittedDelay>,
 }
 
-/// A delay that is too long for a trim, or not significant.
+/// A delay that was not fitted, because it is too long for a trim or not significant.
 pub(crate) struct OmittedDelay {
     pub(super) delay_s: f64,
     /// Its column, per second of delay.

@@ -1,9 +1,9 @@
 //! Karnopp's stick: the torques at which a resting knob breaks away, and the speed at which it comes to rest.
 //!
-//! While the knob rests its torque climbs a ramp; it breaks away at the instant when the ramp passes D₊ or D₋. The
+//! While the knob rests its torque climbs a ramp; the knob breaks away at the instant when the ramp passes D₊ or D₋. The
 //! instant comes from the motion afterwards, the torque from the ramp before. The peak of the torque channel would be
-//! blurred by its filter and by what the rig does once the knob is gone; the ramp is not. The speed Δv is the one
-//! with which the knob arrives at its rest, by the same trajectory run backwards.
+//! blurred by its filter and by the rig's motion after the breakaway; the ramp is not. Δv is the speed
+//! with which the knob arrives at its rest, from the same trajectory run backwards.
 
 mod slide;
 
@@ -25,7 +25,7 @@ const REST_S: f64 = 0.004;
 const BORDER_S: f64 = 0.003;
 /// Length of the ramp that is read, s: three periods of the 1 kHz with which a shaft rings.
 const RAMP_S: f64 = 0.003;
-/// Length of a second reading, s: the difference of both shows what a parabola cannot follow.
+/// Length of a second reading, s: its difference from the first shows the error of fitting a parabola.
 const SHORTER_RAMP_S: f64 = 0.002;
 /// Fewest samples of a ramp or on either side of a border.
 const FEWEST_SAMPLES: usize = 12;
@@ -38,7 +38,7 @@ const AT_REST: f64 = 8.0;
 /// Standard deviations of the angle's noise that a resting angle may span: a rest on the edge between two steps of the
 /// encoder spans one step, which is 3.5 of them.
 const SPAN: f64 = 6.0;
-/// Factor by which a rest must last longer than a turning point would stay within the tolerance.
+/// A rest must last longer than a turning point would stay within the tolerance, by this factor.
 const LONGER: f64 = 2.0;
 /// What rounding does to an angle without noise, rad.
 const ROUNDING_RAD: f64 = 1e-9;
@@ -185,8 +185,8 @@ fn times(count: usize) -> String {
     }
 }
 
-/// Whether a rest lasts longer than a mere turning point would stay within the tolerance. The parabolas of the turning point follow from how
-/// far the knob moves within `window` samples before and after the rest. `false` next to the ends of the capture.
+/// Whether a rest lasts longer than a mere turning point would stay within the tolerance. The turning point is made of two
+/// parabolas, through the distances moved within `window` samples before and after the rest. `false` next to the capture's ends.
 fn is_longer_than_a_turning_point(angle_rad: &[f64], rest: &Range<usize>, tolerance_rad: f64, window: usize) -> bool {
     let outside = [rest.start.checked_sub(window), Some(rest.end - 1 + window)];
     let inside = [rest.start, rest.end - 1];
@@ -224,8 +224,8 @@ fn rests(angle_rad: &[f64], tolerance_rad: f64, measured: &[bool], shortest: usi
     rests
 }
 
-/// Reads `received_mnm`, which comes `delay` samples late, at `instant` (in samples) off a parabola through the last
-/// `length` samples received up to then: none of them has seen anything that happened after.
+/// Value of `received_mnm`, which comes `delay` samples late, at `instant` (in samples), from a parabola through the last
+/// `length` samples received up to then, which nothing later has affected. `None` for too few samples.
 fn ramp_end(received_mnm: &[f64], delay: f64, instant: f64, length: usize) -> Option<f64> {
     let last = instant.floor().max(0.0) as usize;
     let first = (last + 1).checked_sub(length)?;

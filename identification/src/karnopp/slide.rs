@@ -2,8 +2,8 @@
 //!
 //! Away from its rest the knob obeys M·θ̈ = τ − friction − detents. The torque is measured and everything else is fitted
 //! already, so a trajectory from rest has one unknown, the instant at which it leaves, and one that ends in rest has
-//! a second, the speed with which it arrives. Both follow from the encoder by least squares: the speed and the angle at
-//! rest are linear in it, the instant is searched.
+//! a second, the speed with which it arrives. Both follow from the encoder by least squares: the problem is linear in the
+//! speed and the angle at rest, and the instant is searched.
 
 use std::ops::Range;
 
@@ -129,7 +129,7 @@ impl Slide<'_> {
         (total - if square > 0.0 { product * product / square } else { 0.0 }, border)
     }
 
-    /// Distance from rest at every sample of the window for a knob that slides from or up to `instant`, speed zero there.
+    /// Distance from rest at every sample of the window for a knob that slides from `instant` on or until then, at rest there.
     fn displacement(&self, instant: f64, window: &Range<usize>, side: Side, direction: Direction) -> Vec<f64> {
         let mut displacement = vec![0.0; window.len()];
         let mut indices: Vec<usize> = window.clone().collect();

@@ -41,7 +41,7 @@ pub(super) struct Solution {
 }
 
 impl Solution {
-    /// Half width of a 95 % interval over the standard deviation, which the scatter of the blocks gives.
+    /// Ratio of the half width of a 95 % interval to the standard deviation from the blocks' scatter.
     pub(super) fn critical(&self) -> f64 {
         student_95(self.blocks as f64 - 1.0)
     }
@@ -153,7 +153,7 @@ impl RowFilter {
         self.since_row = 0;
     }
 
-    /// Takes one sample (zeros if masked) and gives a row every `step` samples unless all it sees is masked.
+    /// Takes one sample (zeros if masked). Returns a row every `step` samples, unless the whole history is masked; else `None`.
     pub(super) fn push(&mut self, sample: &[f64], unmasked: bool) -> Option<&[f64]> {
         let length = self.mask.len();
         for copy in [self.next, self.next + length] {

@@ -1,10 +1,10 @@
-//! Whether a parameter is known as well as was asked for.
+//! Whether a parameter is known with the precision asked for.
 //!
 //! A parameter has converged when half the width of its 95 % interval is at most the asked share of its value. Two cases
 //! need a rule of their own:
 //!
-//! - A **phase** has no size of its own, since its zero is where the encoder's happens to be. An error of it is an error of
-//!   the detent torque by as many radians times the amplitude, so the share is taken of one radian.
+//! - A **phase** has no size of its own, since its zero depends on the encoder's. An error of the phase in radians, times the
+//!   amplitude, is an error of the detent torque, so the share is taken of one radian.
 //! - A parameter **near zero** has no share worth the name. It is negligible once even the far end of its interval makes
 //!   less torque, over the motion so far, than one step of the torque sensor: nothing that this rig reads would show it.
 
@@ -14,7 +14,7 @@ use shared_types::Convergence;
 /// fingers can just tell apart (Jandura and Srinivasan 1994).
 pub const USUAL_SHARE: f64 = 0.01;
 
-/// What intervals are held against.
+/// Criterion by which intervals are judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Criterion {
     /// Share of a value that half its interval may be wide, below one.
@@ -24,7 +24,7 @@ pub struct Criterion {
 }
 
 impl Criterion {
-    /// How far a parameter has come of which `half_width` is half the 95 % interval, after a motion with these RMS values.
+    /// Judges a parameter with `half_width` as half its 95 % interval, after a motion with these RMS values.
     #[must_use]
     pub fn judge(&self, name: &str, value: f64, half_width: f64, motion: MotionRms) -> Convergence {
         let negligible = torque_per_unit(name, motion)

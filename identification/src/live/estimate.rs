@@ -29,7 +29,7 @@ pub struct LiveParameter {
     pub ci95: Option<[f64; 2]>,
     /// Whether it can be estimated.
     pub verdict: Verdict,
-    /// Whether it is known as well as was asked for.
+    /// Whether it is known with the precision asked for.
     pub convergence: Convergence,
 }
 
@@ -116,7 +116,7 @@ pub(super) struct Excitation {
 }
 
 impl Excitation {
-    /// Samples that see a parameter.
+    /// Number of samples on which a parameter has an effect.
     fn of(&self, name: &str) -> f64 {
         if name.ends_with("_negative") {
             self.backward

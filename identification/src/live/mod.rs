@@ -53,8 +53,8 @@ const FIRST_SCAN_S: f64 = 0.5;
 const ABSENT_AFTER_S: f64 = 3.0;
 /// Time of sliding in a direction before its parameters are given, s.
 const ENOUGH_S: f64 = 0.25;
-/// Factor by which the live intervals must be narrower than asked for, so that those of the archive's fit are as asked: that fit
-/// filters differently, and a sweep that ends at the first narrow interval favours one that is too narrow by chance.
+/// Factor by which the live intervals must be narrower than asked for, so that those of the archive's fit meet the request: that
+/// fit filters differently, and a sweep that ends at the first narrow interval favours one that is too narrow by chance.
 /// Chosen by `scripts/study-until-ci`: without the factor the archive's intervals were up to 1.27 times what was asked for.
 const MARGIN: f64 = 0.75;
 /// Longest step between two samples that is bridged, in periods: without a bridge, a rig that misses a tick now and then would
@@ -109,7 +109,7 @@ pub struct LiveFit {
 struct WithDetents {
     /// Assumed wavenumber, 1/rad.
     wavenumber: f64,
-    /// Angle from which the detents' columns count theirs, rad.
+    /// Angle that is the origin of the detents' columns, rad.
     centre_rad: f64,
     rows: Rows,
 }
@@ -212,8 +212,8 @@ impl LiveFit {
         std::iter::once(&mut self.base).chain(with_detents).for_each(|rows| rows.filter.restart());
     }
 
-    /// Fills in the samples that are missing before this one, which comes so many periods after the newest: the angle on the cubic through
-    /// its neighbours, the torque on a line.
+    /// Fills in the samples missing before this one, which comes `periods` after the newest: the angle by a cubic through its
+    /// neighbours, the torque by a straight line.
     fn bridge(&mut self, sample: &LiveSample, periods: f64) {
         let known = [self.recent[0], self.recent[1], self.recent[2], *sample];
         let newest = known[BRIDGE_SAMPLES - 1];
@@ -304,7 +304,7 @@ impl LiveFit {
         let scan = self.bins.scan(&solution.coefficients, self.pipeline.slow_rad_s(), band_hz(self.rate_hz));
         self.has_detents = scan.as_ref().map(|scan| scan.detents);
         let Some(scan) = scan.filter(|scan| scan.detents) else { return };
-        // A period in use is kept unless the scan sees another peak: its own correction follows the same one.
+        // A period in use is kept unless the scan finds another peak; on the same peak its own correction follows it.
         let is_other = self.with_detents.as_ref().is_none_or(|with_detents| {
             (with_detents.wavenumber - scan.wavenumber).abs() > 0.5 * std::f64::consts::TAU / scan.travel_rad
         });

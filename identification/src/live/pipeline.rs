@@ -1,4 +1,4 @@
-//! Motion and torque of a stream, sample by sample, behind it by a fixed lag.
+//! Motion and torque of a stream, sample by sample with a fixed lag.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +13,7 @@ use crate::uncertainty::statistics::MEDIAN_FOURTH_DIFFERENCE;
 
 /// The angle's low-pass reaches this much beyond the band in which torque and motion are compared.
 const ANGLE_BAND: f64 = 2.5;
-/// Speed below which a knob may be sticking, in standard deviations of the velocity's noise: while a sweep is slow this decides.
+/// Speed below which a knob may be sticking, in standard deviations of the velocity's noise; it decides while a sweep is slow.
 const NOISE_MARGIN: f64 = 16.0;
 /// Relative step of the running median of the encoder's noise.
 const MEDIAN_STEP: f64 = 1e-3;

@@ -15,23 +15,23 @@ pub(crate) fn forward(length: usize) -> Arc<dyn RealToComplex<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length))
 }
 
-/// A linear response to evenly spaced values, which are nothing beyond their ends.
+/// A linear filter for evenly spaced values, which count as zero beyond their ends.
 #[derive(Clone, Debug)]
 pub(crate) struct Response {
     count: usize,
-    /// The response at each line of the transform, over the transform's length.
+    /// The complex gain at each line of the transform, divided by the transform's length.
     lines: Arc<[Complex<f64>]>,
 }
 
 impl Response {
-    /// The response to `count` values; `response` is the complex gain at a frequency in cycles per value.
+    /// A filter for `count` values; `response` is the complex gain at a frequency in cycles per value.
     pub(crate) fn new(count: usize, response: &dyn Fn(f64) -> Complex<f64>) -> Self {
         let length = (count + 1).next_power_of_two();
         let scale = 1.0 / length as f64;
         Self { count, lines: (0..=length / 2).map(|index| scale * response(index as f64 * scale)).collect() }
     }
 
-    /// What it makes of the values.
+    /// The filtered values.
     pub(crate) fn of(&self, mut values: Vec<f64>) -> Vec<f64> {
         let length = 2 * (self.lines.len() - 1);
         let forward = forward(length);

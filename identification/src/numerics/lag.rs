@@ -1,4 +1,4 @@
-//! A first-order lag, and what undoes it.
+//! A first-order lag and its inverse.
 
 use super::derivative::gradient;
 
@@ -13,7 +13,7 @@ pub(crate) fn lagged(signal: &[f64], lag: f64) -> Vec<f64> {
         .iter()
         .map(|value| {
             let slope = value - previous;
-            // Behind a ramp the output trails by slope · lag; what it was further away decays.
+            // On a ramp the output trails by slope · lag; any further deviation decays.
             state = value - slope * lag + (state - previous + slope * lag) * decay;
             previous = *value;
             state

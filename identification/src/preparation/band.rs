@@ -41,7 +41,7 @@ impl Band {
         Self { edge_hz, torque_noise_mnm, clear_hz: f64::INFINITY, angle_density: 0.0 }
     }
 
-    /// As wide as the torque's excess over its noise reaches, no wider: beyond, there is only noise, and that
+    /// The band as far as the torque exceeds its noise: beyond, there is only noise, and that
     /// of a twice differentiated angle grows fast. An exact motion has none and takes the widest band.
     pub(crate) fn of(uniform: &Uniform, exact: bool, calibration: Option<&Calibration>) -> Self {
         let rate_hz = uniform.rate_hz;
@@ -55,7 +55,7 @@ impl Band {
         let reach_hz = torque.power_below(1.0 - POWER_BEYOND_BAND, 2.0 * floor);
         let AngleSpectrum { sweep_hz, clear_hz, noise_density: angle_density } =
             AngleSpectrum::of(&uniform.angle_rad, rate_hz);
-        // An accelerometer sees what the encoder does not, contact above all, whose spectrum looks like a noise.
+        // An accelerometer sees motion that the encoder does not, above all contact, whose spectrum looks like noise.
         let (clear_hz, angle_density) = match uniform.acceleration_rad_s2 {
             Some(_) => (f64::INFINITY, white_density(&uniform.angle_rad, rate_hz)),
             None => (clear_hz.max(sweep_hz), angle_density),

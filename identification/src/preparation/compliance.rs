@@ -1,4 +1,4 @@
-//! The twist of the torque sensor, by which the knob is behind the encoder.
+//! The twist of the torque sensor, the angle by which the knob lags behind the encoder.
 
 use dynamics::Calibration;
 

@@ -79,8 +79,8 @@ impl<'a> Sensors<'a> {
         (takes_part(&sensors) && sensors.agree()).then_some(sensors)
     }
 
-    /// The encoder's noise as the disagreement of both sensors shows it where they take turns: the steps of a coarse
-    /// encoder make less noise there than at the upper end of the spectrum, where a moving knob puts them.
+    /// The sensors with the encoder's noise read from their disagreement, just above the frequency of equal noise: the steps of
+    /// a coarse encoder make less noise there than at the upper end of the spectrum, where a moving knob puts them.
     fn with_density_in_band(mut self, cutoff_hz: f64) -> Self {
         let turns = CLEAR_OF_SENSOR * self.equal_hz..=cutoff_hz;
         let density = Spectrum::welch(&self.disagreement(), self.rate_hz).median_of(turns, |frequency_hz, density| {

@@ -208,7 +208,7 @@ pub fn knob_motion(samples: &Samples<'_>, calibration: Option<&Calibration>) -> 
     let exact = KnobMotion::exact(&mut uniform, calibration);
     let band = Band::of(&uniform, exact.is_some(), calibration);
     let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &band, calibration, AccelerationUse::Best));
-    // The grid has more points than the capture where samples were lost: each sample takes its own.
+    // Where samples were lost, the grid has more points than the capture: each sample takes the nearest point.
     let mut point = 0;
     let nearest = samples.t_s.iter().map(|&time_s| {
         while point + 1 < motion.time_s.len()
@@ -216,7 +216,7 @@ pub fn knob_motion(samples: &Samples<'_>, calibration: Option<&Calibration>) -> 
         {
             point += 1;
         }
-        // What changes with time does since the capture began.
+        // Time counts from the start of the capture, as effects that change with time require.
         Motion { time_s: time_s - samples.t_s[0], ..motion.at(point) }
     });
     Ok(nearest.collect())
@@ -241,7 +241,7 @@ fn smoother(cutoff_hz: f64, rate_hz: f64) -> Fir {
     Fir::kaiser_low_pass((SMOOTH_PERIODS * rate_hz / cutoff_hz).ceil() as usize, cutoff_hz, rate_hz, SMOOTH_BETA)
 }
 
-/// Whether a column is the derivative of another but for rounding: smooth, and neither early nor late.
+/// Whether a column is the derivative of another to within rounding: smooth, and neither early nor late.
 fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
     /// Samples that are differentiated together.
     const BLOCK: usize = 2048;

@@ -1,4 +1,4 @@
-//! Single readings of the torque that stand out alone, as a garbled frame or a disturbed line leaves them.
+//! Single readings of the torque that stand out from their neighbours, as a garbled frame or a disturbed line leaves them.
 
 use crate::numerics::vector::smallest_step;
 use crate::uncertainty::statistics::{FOURTH_DIFFERENCE_DEVIATION, fourth_difference, noise_deviation};
@@ -9,7 +9,7 @@ const STANDS_OUT: f64 = 12.0;
 const ORDINARY: f64 = 5.0;
 /// Readings on either side from which that deviation is estimated, since fast motion makes it larger.
 const AROUND: usize = 34;
-/// Largest share of the readings: more are no mishaps.
+/// Largest share of the readings that may be outliers: more are no accident.
 const MOST: f64 = 0.01;
 /// Share of its fourth difference by which a reading differs from the cubic through its neighbours.
 const OF_FOURTH_DIFFERENCE: f64 = 1.0 / 6.0;
@@ -18,7 +18,7 @@ const OF_FOURTH_DIFFERENCE: f64 = 1.0 / 6.0;
 pub(crate) fn without_outliers(torque_mnm: &[f64]) -> Option<(Vec<f64>, String)> {
     let deviations: Vec<f64> = (0..torque_mnm.len()).map(|at| deviation(torque_mnm, at)).collect();
     let coarse = smallest_step(torque_mnm);
-    // Farther than two readings away an outlier deviates nothing. The median around each reading would take long.
+    // An outlier leaves readings more than two away undisturbed. Taking the median around every reading would be slow.
     let may_stand_out = |at: &usize| {
         let here = deviations[*at].abs();
         let is_quiet = |near: usize| deviations.get(near).is_none_or(|near| 2.0 * near.abs() < here);
@@ -34,7 +34,7 @@ pub(crate) fn without_outliers(torque_mnm: &[f64]) -> Option<(Vec<f64>, String)>
         let around = at.saturating_sub(AROUND)..(at + AROUND + 1).min(torque_mnm.len());
         let typical =
             (OF_FOURTH_DIFFERENCE * FOURTH_DIFFERENCE_DEVIATION * noise_deviation(&torque_mnm[around])).max(coarse);
-        // The one before may have been an outlier, and is none any more.
+        // An outlier just before this reading may have been replaced by now.
         let (reading, deviates) = (cleaned[at], deviation(&cleaned, at));
         if deviates.abs() <= STANDS_OUT * typical {
             continue;

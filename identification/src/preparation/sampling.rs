@@ -1,4 +1,4 @@
-//! Samples that are no readings of their own: a sensor's value held, or drawn as a straight line to the next.
+//! Samples that are no readings of their own: a sensor's value held, or interpolated linearly to the next.
 //!
 //! A logger that is faster than its sensor repeats each reading, and a file that was interpolated to a higher rate has
 //! straight lines between readings. Both look like a signal of far less noise and far more bandwidth than the sensor has: the

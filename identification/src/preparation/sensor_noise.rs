@@ -1,4 +1,4 @@
-//! What the sensors' noise adds to sums over rows, and taking it off again.
+//! The amounts that the sensors' noise adds to sums over rows, so that they can be subtracted.
 //!
 //! Least squares holds its columns for exact, but an acceleration that was differentiated twice is not: its noise adds
 //! to its square and draws the inertia towards zero. And a torque by which the angle was corrected for the torque

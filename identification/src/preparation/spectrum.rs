@@ -137,7 +137,7 @@ impl AngleSpectrum {
         };
         let (velocity, acceleration) = (power(2), power(4));
         let noise = noise_densities(&density);
-        // White noise up to a frequency adds the integral of its fourth power to the acceleration.
+        // White noise of the angle adds to the acceleration's power the integral of the frequency's fourth power.
         let is_clear = |(index, noise): &&(usize, f64)| {
             noise * frequencies[*index].powi(5) / 5.0 <= NOISE_IN_BAND * acceleration[*index]
         };

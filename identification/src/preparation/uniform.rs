@@ -239,14 +239,14 @@ pub(crate) fn typical_step(time: &[f64]) -> (f64, bool) {
     (rounded(median(&mut steps)), false)
 }
 
-/// The step whose rate is rounded to twelve digits, which is all that differences of a file's times have.
+/// The step with its rate rounded to twelve digits, the precision of differences of a file's times.
 fn rounded(step_s: f64) -> f64 {
     let rate_hz = 1.0 / step_s;
     let unit = 10.0_f64.powf(rate_hz.log10().floor() - 11.0);
     1.0 / ((rate_hz / unit).round() * unit)
 }
 
-/// The whole part of a number of samples; a number just below a whole one for rounding alone counts as that.
+/// The whole part of a number of samples; a number that only rounding puts just below a whole one counts as that one.
 pub(crate) fn whole(samples: f64) -> usize {
     (samples * (1.0 + 1e-9)) as usize
 }

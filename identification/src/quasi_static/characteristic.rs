@@ -1,4 +1,4 @@
-//! A slow curve measured point by point: what is pressed has no sinusoids.
+//! A slow curve measured point by point, for a pressed control, whose torque has no sinusoids.
 
 use dynamics::Motion;
 use nalgebra::DMatrix;
@@ -9,7 +9,7 @@ use crate::regression::block_sums::{BlockSums, Estimate};
 use crate::regression::characteristic::{Measured, NO_DETENTS, Places, measure};
 use crate::samples::Samples;
 
-/// Fits friction and the torque over the angle to a map; `None` where its rows tell no point.
+/// Fits friction and the torque over the angle to a map; `None` where its rows determine no point.
 ///
 /// A curve gives one friction for both directions, half the mean distance between its branches: a difference between the directions
 /// cannot be told from a torque that is independent of the direction.

@@ -10,9 +10,9 @@ use crate::uncertainty::statistics::noise_deviation;
 const FEWEST_ROWS: usize = FEWEST_SAMPLES / 4;
 /// A reversal counts once the knob has come back by this many times what the encoder resolves.
 const REVERSAL: f64 = 10.0;
-/// Travel in units of a counted reversal from which it is a motion and no noise.
+/// Least travel that is a motion and not noise, in units of a counted reversal.
 const LEAST_TRAVEL: f64 = 20.0;
-/// Mean speed of the passes above which inertia and viscous friction of a knob are no longer small beside the rest, rad/s.
+/// Mean speed of the passes above which a knob's inertia and viscous friction are no longer negligible, rad/s.
 const FASTEST_RAD_S: f64 = 0.5;
 /// The travel is divided into this many cells …
 const CELLS: usize = 50;

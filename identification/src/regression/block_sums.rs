@@ -22,12 +22,12 @@ pub(crate) struct Estimate {
     pub(crate) coefficients: Vec<f64>,
     /// Allows for residuals that are correlated within a stretch and of varying size.
     pub(crate) covariance: DMatrix<f64>,
-    /// As textbooks have it.
+    /// The textbooks' covariance, for independent residuals of equal size.
     pub(crate) textbook: DMatrix<f64>,
 }
 
-/// Half width of a 95 % interval over the standard deviation: the stretches leave one degree of freedom less than their
-/// number.
+/// Ratio of the half width of a 95 % interval to the standard deviation, for one degree of freedom less than there are
+/// stretches.
 pub(crate) fn critical() -> f64 {
     student_95((BLOCKS - 1) as f64)
 }

@@ -15,13 +15,13 @@ const POINTS: [u16; 5] = [8, 16, 32, 64, 128];
 const ROWS_PER_POINT: usize = 4;
 /// Cells of the travel in which the bending of the torque is looked at.
 const CELLS: usize = 200;
-/// What holds a point that the samples hardly show near zero, as a share of the mean point's square.
+/// Ridge that holds a point near zero if the samples hardly show it, as a share of the mean point's square.
 const HELD: f64 = 1e-6;
-/// The same for the points of a friction, and larger: a torque that was seen in one direction only counts as no friction.
+/// The ridge for the points of a friction, which is larger: a torque that was seen in one direction only counts as no friction.
 const FRICTION_HELD: f64 = 1e-3;
 /// Share of a column's square that is rounding.
 const ROUNDING: f64 = 1e-18;
-/// A point is told if its column has this share of the mean point's square.
+/// A point is given an interval if its column has this share of the mean point's square.
 const SHOWN: f64 = 1e-3;
 
 /// A torque measured over a coordinate.
@@ -151,7 +151,7 @@ impl Places {
         Some(Self { lowest_rad, cell_rad, up_to: grown.collect() })
     }
 
-    /// So many points, rising.
+    /// Angles of `count` points, in rising order.
     fn points(&self, count: u16) -> Vec<f64> {
         let place = |point: u16| {
             let share = f64::from(point) / f64::from(count - 1);
@@ -186,8 +186,8 @@ pub(crate) struct CurveProjection {
 }
 
 impl CurveProjection {
-    /// Projects on the points of measured curves; `both` is the column of a Coulomb friction alike
-    /// in both directions, of which a measured friction has no part.
+    /// Projects on the points of measured curves; `both` is the column of a Coulomb friction equal
+    /// in both directions, which is removed from the points of a measured friction.
     pub(crate) fn new(measured: &Measured, both: &[f64]) -> Self {
         let count: usize = measured.curves.iter().map(|curve| curve.points.len()).sum();
         let of_torque = measured.curves.first().map_or(0, |curve| curve.points.len());

@@ -27,7 +27,7 @@ pub(crate) struct Correction {
     pub(crate) product: f64,
 }
 
-/// Inner products of columns and a target, and what else decides their coefficients.
+/// A least-squares problem: inner products of columns and a target, bounds and corrections.
 pub(crate) struct Normal<'a> {
     /// Of the columns with each other.
     pub(crate) products: &'a DMatrix<f64>,
@@ -58,8 +58,8 @@ pub(crate) struct Solution {
 }
 
 impl Normal<'_> {
-    /// Solves for the columns that are not collinear. While coefficients are negative that must not be, the column of the most negative
-    /// one is left out. `None` where the products are not finite or the corrections leave nothing.
+    /// Solves for the columns that are not collinear. While coefficients that must not be negative are, the column of the most
+    /// negative one is left out. `None` where the products are not finite or the corrections leave nothing.
     pub(crate) fn solve(&self) -> Option<Solution> {
         let count = self.with_target.len();
         let holds = self.corrections.iter().filter(|c| c.square > 0.0);
@@ -184,8 +184,8 @@ impl Solution {
     }
 }
 
-/// By how much the columns beyond the first `base` lower the squared error of blocks that were left out of the fit: mean over
-/// the blocks (of signed roots) in standard errors of that mean, from the blocks' own scatter; zero where nothing can be fitted.
+/// How much the columns beyond the first `base` lower the squared error of blocks that were left out of the fit: the mean of the
+/// blocks' signed roots in standard errors of that mean, from the blocks' own scatter; zero where nothing can be fitted.
 ///
 /// Every other block is predicted from the rest, then the other way round, with and without the further columns.
 pub(crate) fn evidence(blocks: &[DMatrix<f64>], base: usize) -> f64 {
@@ -223,8 +223,8 @@ pub(crate) fn sum<'a>(blocks: impl Iterator<Item = &'a DMatrix<f64>>, size: usiz
     blocks.fold(DMatrix::zeros(size, size), |sum, products| sum + products)
 }
 
-/// Which columns are to be left out: those that are not chosen, empty ones, and those that are sums of earlier ones but for a share
-/// `collinear` of their squares. The pivots of Cholesky's factorisation tell how much of each column is new.
+/// Marks the columns to leave out: those not chosen, empty ones, and those of whose squares no more than the share `collinear`
+/// remains beside earlier ones. The pivots of Cholesky's factorisation give this share for each column.
 fn find_collinear(gram: &DMatrix<f64>, chosen: &[usize], collinear: f64) -> Vec<bool> {
     let count = gram.nrows();
     let mut found = vec![true; count];
@@ -235,7 +235,7 @@ fn find_collinear(gram: &DMatrix<f64>, chosen: &[usize], collinear: f64) -> Vec<
             factor[(row, column)] = (gram[(row, column)] - sum) / factor[(column, column)];
         }
         let left = gram[(row, row)] - (0..row).map(|k| factor[(row, k)].powi(2)).sum::<f64>();
-        // An empty column has no length to be counted in.
+        // An empty column has length zero, so `left` is not a number and the column stays out.
         if left > collinear {
             factor[(row, row)] = left.sqrt();
             found[row] = false;

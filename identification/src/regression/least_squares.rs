@@ -1,4 +1,4 @@
-//! Linear least squares with collinear columns told, lower bounds at zero, and intervals that hold.
+//! Linear least squares with collinear columns marked, lower bounds at zero, and robust intervals.
 
 use std::ops::Deref;
 
@@ -40,12 +40,12 @@ pub(crate) struct LeastSquares {
 /// Covariance of coefficients for residuals of unknown autocorrelation and varying size.
 pub(crate) struct RobustCovariance {
     pub(crate) matrix: DMatrix<f64>,
-    /// Degrees of freedom with which the variances are known, harmonic mean over the coefficients.
+    /// Degrees of freedom of the variances, harmonic mean over the coefficients.
     pub(crate) degrees_of_freedom: f64,
     leverage: Leverage,
     /// Number of rows.
     rows: usize,
-    /// What takes the scores to the coefficients.
+    /// The matrix that maps the scores to the coefficients.
     inverse: DMatrix<f64>,
 }
 
@@ -79,8 +79,8 @@ impl LeastSquares {
 
     /// [`Self::corrected`] for columns that may be linearly dependent.
     ///
-    /// Where they are, as an offset and two levels of friction are, the coefficient that may have either sign is held near zero: it takes
-    /// over only what the others, at their bounds, cannot explain.
+    /// If they are, like an offset and two levels of friction, the coefficient that may have either sign is held near zero: it
+    /// explains only what the others, at their bounds, cannot.
     pub(crate) fn held<C: Deref<Target = [f64]>>(
         columns: &[C],
         target: &[f64],
@@ -202,7 +202,7 @@ impl LeastSquares {
         robust
     }
 
-    /// Standard deviation of one coefficient, estimated likewise from the one series that it depends on.
+    /// Robust standard deviation of one coefficient, estimated from the one series of scores on which it depends.
     pub(crate) fn robust_deviation<C: Deref<Target = [f64]>>(&self, columns: &[C], coefficient: usize) -> f64 {
         let rows = self.residual.len();
         let shares: Vec<f64> = (0..columns.len()).map(|column| -self.inverse[(coefficient, column)]).collect();

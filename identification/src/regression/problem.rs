@@ -121,7 +121,7 @@ impl<'a> Problem<'a> {
         LeastSquares::of_products(columns, products, target, nonnegative, &self.column_noise(), COLLINEAR)
     }
 
-    /// What takes the columns' noise off their products.
+    /// Corrections that subtract the columns' noise from their products.
     pub(crate) fn column_noise(&self) -> Vec<Correction> {
         let SensorNoise { acceleration_squares, acceleration_torque, .. } = self.noise;
         self.inertial

@@ -16,7 +16,7 @@ const TOGETHER: usize = 8;
 pub(super) struct FourierSums {
     offset_rad: f64,
     bin_rad: f64,
-    /// What undoes the spline and its shift, for every wavenumber up to the last.
+    /// Factor that undoes the spline and its shift, for every wavenumber up to the last.
     correction: Vec<Complex<f64>>,
     transform: Arc<dyn RealToComplex<f64>>,
 }

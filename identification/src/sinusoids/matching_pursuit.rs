@@ -61,7 +61,7 @@ impl Grid {
         Self { unit, lowest, highest: finest.max(lowest), start_rad, whole_turn }
     }
 
-    /// The same without what is finer than `wavenumber`, 1/rad.
+    /// The grid without the wavenumbers above `wavenumber`, 1/rad.
     pub(crate) fn up_to(self, wavenumber: f64) -> Self {
         Self { highest: self.highest.min((wavenumber / self.unit) as usize).max(self.lowest), ..self }
     }
@@ -91,7 +91,7 @@ impl Grid {
     }
 }
 
-/// Adds the sinusoids that stand out and predict what they were not fitted to; returns their wavenumbers, 1/rad.
+/// Adds the sinusoids that stand out and predict stretches to which they were not fitted; returns their wavenumbers, 1/rad.
 ///
 /// The columns of each are sine and cosine, behind those that the sums hold already.
 pub(crate) fn sinusoids(sums: &mut BlockSums, angle_rad: &[f64], grid: &Grid) -> Vec<f64> {

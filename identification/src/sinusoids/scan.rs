@@ -39,7 +39,7 @@ pub(crate) struct Peak {
     pub(crate) power: f64,
 }
 
-/// What of motion and base columns all scans of a capture share.
+/// The part of the motion and the base columns that all scans of a capture share.
 pub(crate) struct Scan {
     travel_rad: f64,
     /// Distance of two wavenumbers, 1/rad.

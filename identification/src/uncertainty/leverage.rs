@@ -75,7 +75,7 @@ impl Leverage {
     pub(crate) fn correction(&self) -> DMatrix<f64> {
         let mut correction = DMatrix::identity(self.columns, self.columns);
         let count = self.active.len();
-        // Of no column, as where the torque is constant, nothing was lost.
+        // Without a fitted column, as where the torque is constant, nothing was lost.
         if count == 0 {
             return correction;
         }

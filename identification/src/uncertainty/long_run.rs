@@ -37,7 +37,7 @@ pub(crate) fn covariance(scores: &[Vec<f64>]) -> (DMatrix<f64>, f64) {
     (covariance, 2.0 * (width * group) as f64)
 }
 
-/// One over the triangle's sum of squares: what the kernel would else be at lag zero.
+/// One over the triangle's sum of squares, which scales the kernel to one at lag zero.
 pub(crate) fn kernel_scale(width: usize) -> f64 {
     let width = width as f64;
     3.0 / (width * (2.0 * width * width + 1.0))

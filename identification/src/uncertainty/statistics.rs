@@ -80,7 +80,7 @@ pub(crate) fn interval(value: f64, half_width: f64) -> [f64; 2] {
     [value - half_width, value + half_width]
 }
 
-/// Half width of the interval about a value: the distance to its farther end, where a bound cuts one of them off.
+/// Half width of the interval about a value: the distance to the farther end, since a bound may cut off one end.
 ///
 /// ```
 /// assert_eq!(identification::statistics::half_width(1.0, [0.0, 3.0]), 2.0);

@@ -1,4 +1,4 @@
-//! When each sample arrived, for measuring the way from the tick to a consumer.
+//! When each sample arrived, for measuring the latency from the tick to a consumer.
 
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
@@ -14,7 +14,8 @@ pub(crate) struct Arrivals {
 }
 
 impl Arrivals {
-    /// A file named for this process in the folder that [`TIMINGS_VARIABLE`] names, if it names one.
+    /// A file named after this process in the folder that [`TIMINGS_VARIABLE`] names; `None` if it names none or the file cannot
+    /// be created.
     pub(crate) fn wanted(kind: ProcessKind) -> Option<Self> {
         let folder = std::path::PathBuf::from(std::env::var_os(TIMINGS_VARIABLE)?);
         let path = folder.join(format!("arrivals-{}-{}", kind.name(), std::process::id()));
@@ -28,7 +29,7 @@ impl Arrivals {
             let mut pair = [0; 16];
             pair[..8].copy_from_slice(&sample.monotonic_time_ns.to_le_bytes());
             pair[8..].copy_from_slice(&now_ns.to_le_bytes());
-            // As above: a measurement that fails shows by what it lacks.
+            // As above: a failed measurement shows by its missing pairs.
             let _ = self.file.write_all(&pair);
         }
     }

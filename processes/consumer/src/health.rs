@@ -1,4 +1,4 @@
-//! What a consumer says about itself.
+//! The health report of a consumer.
 
 use std::time::{Duration, Instant};
 
@@ -6,7 +6,7 @@ use shared_types::{ProcessHealth, ProcessKind, Sample, rig};
 
 use crate::arrivals::Arrivals;
 
-/// How often it is said.
+/// Interval between two reports.
 const INTERVAL: Duration = Duration::from_millis(500);
 
 /// Counts for the health report.
@@ -21,7 +21,7 @@ pub struct Health {
 }
 
 impl Health {
-    /// Nothing received yet, by a process of this kind that was restarted so often.
+    /// The counts of a process of this kind, restarted `restarts` times, that has received nothing yet.
     #[must_use]
     pub fn new(kind: ProcessKind, restarts: u32) -> Self {
         Self { kind, restarts, received_samples: 0, latency_ns: 0, reported: None, arrivals: Arrivals::wanted(kind) }
@@ -39,7 +39,7 @@ impl Health {
         }
     }
 
-    /// The report, when it is time for one.
+    /// The next report; `None` until it is due.
     pub fn report(&mut self, lost_samples: u64) -> Option<ProcessHealth> {
         if self.reported.is_some_and(|reported| reported.elapsed() < INTERVAL) {
             return None;

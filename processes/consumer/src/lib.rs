@@ -1,4 +1,4 @@
-//! What every consumer of the sample stream does alike: stop in order, say how it is.
+//! What all consumers of the sample stream share: an orderly stop and health reports.
 //!
 //! A consumer may crash, hang, be killed or be restarted at any moment; the control loop does not
 //! notice. It ends with the process that started it, by its [lease](shared_types::lease); signals are left to that

@@ -14,8 +14,8 @@ pub struct StopError(#[from] std::io::Error);
 
 /// Knows whether the process is to end.
 ///
-/// Under a supervisor that is when its [`Lease`] ends. The signals that end a process come to all at once when a terminal
-/// closes or a machine goes down; they are left to the supervisor, which ends the run in order.
+/// Under a supervisor the process ends with its [`Lease`]. When a terminal closes or a machine goes down, every process receives
+/// the signals that end it at once; acting on them is left to the supervisor, which ends the run in order.
 #[derive(Debug)]
 pub struct Stop {
     asked: Arc<AtomicBool>,

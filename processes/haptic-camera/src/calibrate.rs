@@ -102,8 +102,8 @@ fn capture(CalibrateOptions { what, pace, rig, .. }: &CalibrateOptions) -> anyho
     rig_run::archive(request, rig, &format!("calibrate-{}", what.subject()), &interrupt)
 }
 
-/// Writes the known calibration with the newly found values, in comments how well each is known and from where, and the
-/// comments of the previous file on the others.
+/// Writes the known calibration with the newly found values. Comments give the interval and the source of each new value; the
+/// comments of the previous file on the other values are kept.
 fn write_file(
     options: &CalibrateOptions,
     calibrated: &Calibrated,

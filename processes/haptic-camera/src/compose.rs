@@ -136,7 +136,7 @@ impl Sources {
     }
 }
 
-/// Parameters of one effect beyond which zeros are left out: harmonics that are not there.
+/// Number of parameters of one effect beyond which zeros are left out: they stand for harmonics that are absent.
 const MANY: usize = 8;
 
 /// Effect by effect, every parameter with its value and where that comes from.

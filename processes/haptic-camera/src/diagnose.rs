@@ -55,7 +55,7 @@ pub fn run(options: &DiagnoseOptions) -> anyhow::Result<()> {
     write_results(&options.results, &options.recording, &found, &train, heldout.as_ref())
 }
 
-/// Writes a diagnosis of the captures given as training and held-out as JSON, as a page and as a rerun file, what of them was asked for.
+/// Writes a diagnosis of a training and a held-out capture as JSON, page and rerun file, each if it was asked for.
 pub fn write_results(
     results: &ResultFiles,
     recording: &Option<PathBuf>,
@@ -70,9 +70,9 @@ pub fn write_results(
     recording.as_ref().map_or(Ok(()), |path| record(path, found, train, heldout))
 }
 
-/// Writes a diagnosis as a rerun file, which the viewer's program makes: this one does without rerun.
+/// Writes a diagnosis as a rerun file by running the viewer's program: this program does not contain rerun.
 ///
-/// Without a held-out capture its rows are stretches of the training capture.
+/// Without a held-out capture, the held-out rows are stretches of the training capture.
 fn record(
     path: &Path,
     found: &Diagnosis,

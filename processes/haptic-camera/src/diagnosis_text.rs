@@ -62,7 +62,7 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
     lines.iter().flat_map(|line| paragraph(line)).collect()
 }
 
-/// What was measured over a coordinate without having a name.
+/// The torque that was measured over a coordinate and that no effect matches.
 fn measured(characteristic: &Characteristic, decimals: usize) -> String {
     let unit = if characteristic.coordinate == "velocity" { "rad/s" } else { "rad" };
     let ends =

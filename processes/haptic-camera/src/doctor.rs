@@ -26,7 +26,7 @@ pub struct DoctorOptions {
 
 const PROGRAMS: [&str; 4] = ["rt-loop", "recorder", "live-fitter", "rerun-viewer"];
 
-/// What was found of one thing: in order, or amiss with how to mend it.
+/// The result of one check: what is in order, or what is amiss and how to mend it.
 type Finding = Result<String, String>;
 
 pub fn run(options: &DoctorOptions) -> anyhow::Result<Outcome> {
@@ -109,7 +109,7 @@ fn leftovers() -> String {
     }
 }
 
-/// Whether the rig's driver can be had as its file says, and what stands in its way; its amplifier stays off.
+/// Whether the driver that the rig's file names is available, and what stands in its way; the amplifier stays off.
 fn rig_file(path: &Path) -> Vec<(&'static str, Finding)> {
     let mut request = RunRequest { torque: true, ..RunRequest::default() };
     request.rig.rig = Some(path.to_owned());

@@ -104,7 +104,7 @@ fn write_into(options: &FitOptions, model: &Model) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes every number of a fit as JSON and the page, what of them was asked for.
+/// Writes every number of a fit as JSON and as the page, each if it was asked for.
 pub fn write_results(results: &ResultFiles, loaded: &LoadedCapture, fit: &Fit) -> anyhow::Result<()> {
     let result = |figures| FitResult::of(loaded, fit, figures);
     results.write(fit.axis, || analysis::fit_page(loaded, fit), result)
@@ -209,7 +209,7 @@ fn harmonic_table(fit: &Fit) -> Option<Table> {
     Some(table(["per turn", "of the detent", "amplitude mNm", "phase rad", share], 0..5, rows))
 }
 
-/// Most captures whose values stand side by side; of more, the differences alone.
+/// Most captures whose values stand side by side; for more captures, only the differences are shown.
 const SIDE_BY_SIDE: usize = 3;
 
 /// Each parameter's values, their difference, and what their intervals allow.

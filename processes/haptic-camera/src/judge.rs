@@ -43,7 +43,7 @@ pub fn run(options: &JudgeOptions) -> anyhow::Result<Outcome> {
     Ok(outcome(judgements.verdict))
 }
 
-/// What a verdict makes of a command.
+/// The outcome of a command that reached this verdict.
 pub fn outcome(verdict: Verdict) -> Outcome {
     match verdict {
         Verdict::Pass => Outcome::Done,

@@ -54,7 +54,7 @@ pub fn run(options: &ListOptions) -> anyhow::Result<()> {
     write_json(Axis::default(), &options.json, &BTreeMap::from([("captures", &entries)]))
 }
 
-/// Samples up to which a capture is fitted for a list: a minute and a half at 10 kHz, a second's work or so.
+/// Samples up to which a capture is fitted for a list: a minute and a half at 10 kHz, which takes about a second to fit.
 const MOST_SAMPLES: u64 = 1_000_000;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -105,13 +105,13 @@ struct Entry {
     recovered: bool,
     #[serde(flatten)]
     quality: Quality,
-    /// The same time in ns since 1970, by which the list is sorted.
+    /// The time of `captured_at` in ns since 1970, by which the list is sorted.
     #[serde(skip)]
     captured_at_ns: u128,
 }
 
 impl Entry {
-    /// Looks at a file, whatever it is.
+    /// The entry of a file, whether or not it is a capture.
     fn of(path: &Path) -> Self {
         let overview = match Overview::read(path) {
             Ok(overview) => overview,
@@ -268,7 +268,7 @@ fn word(entry: &Entry) -> &'static str {
 }
 
 fn remark(entry: &Entry) -> Option<String> {
-    // What is no capture needs no advice.
+    // A file that is no capture needs no advice.
     if entry.health == Health::Foreign {
         return None;
     }

@@ -1,7 +1,7 @@
 //! The operator's program: `haptic-camera`.
 //!
-//! Whatever a command needs and cannot have, read or write ends it with an error: one sentence that says what is wrong and
-//! what to do, printed once, here. The documentation of a function names only the errors that need more than that.
+//! A command that cannot obtain, read or write what it needs ends with an error: one sentence that says what is wrong and what to
+//! do, printed once, here. The documentation of a function names only the errors that need more than that.
 //!
 //! Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost; of `judge`, 4 a unit fails and 5 one is undecided.
 

@@ -1,4 +1,4 @@
-//! `completions` and `man`: what a shell and a pager are to know of this program.
+//! `completions` and `man`: the completions for a shell and the manual pages of this program.
 
 use std::path::PathBuf;
 

@@ -43,8 +43,8 @@ impl Outcome {
         }
     }
 
-    /// The same, or a failure if standard output could not be written. That is reported, unless its reader has closed it, as
-    /// `head` does.
+    /// This outcome, or `Failed` in place of `Done` if standard output could not be written. That is reported, unless the reader
+    /// has closed the pipe, as `head` does.
     pub fn if_output_was_taken(self) -> Self {
         note_output(std::io::stdout().flush());
         let Some(error) = LOST_OUTPUT.get() else { return self };

@@ -1,4 +1,4 @@
-//! The files that commands write: what each may replace, and none of them a file that the same call reads.
+//! The files that commands write: what each may replace, and that none is a file that the same command reads.
 
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::outcome::{UsageError, print, show};
 
-/// Kinds of output, each as what it may replace: an earlier one of its kind, known by words that every one has.
+/// Kinds of output, each as what it may replace: an earlier output of its kind, known by a text that all of that kind contain.
 pub mod kind {
     use archive::whole_file::Replace::{self, Marked, Nothing};
 
@@ -36,7 +36,7 @@ pub mod kind {
     pub const MANUAL_PAGE: Replace = Marked(".TH haptic-camera");
     /// A diagnosis as a rerun file: the application's name, which rerun writes first.
     pub const RECORDING: Replace = Marked("haptic-camera-diagnosis");
-    /// An archive or a table, in which nothing tells ours from others': the name must be free.
+    /// An archive or a table: nothing in it distinguishes our files from those of others, so the name must be free.
     pub const DATA: Replace = Nothing;
 }
 
@@ -54,7 +54,7 @@ impl Files {
         self
     }
 
-    /// With a file that is written, if it was asked for, and what it may replace; standard output is none.
+    /// Adds a file that is written, if it was asked for, with what it may replace; `-` is standard output and not a file.
     pub fn writing<'path>(mut self, path: impl Into<Option<&'path PathBuf>>, replace: Replace) -> Self {
         let Some(path) = path.into() else { return self };
         if path == "-" {
@@ -65,12 +65,12 @@ impl Files {
         self
     }
 
-    /// With a result as JSON and as a page, what of them was asked for.
+    /// Adds the JSON file and the page of a result, each if it was asked for.
     pub fn telling(self, results: &ResultFiles) -> Self {
         self.writing(&results.json, kind::JSON).writing(&results.report, kind::PAGE)
     }
 
-    /// Refuses outputs that would cost something, before any work is done.
+    /// Refuses outputs that would destroy something, before any work is done.
     ///
     /// # Errors
     /// [`UsageError`] for an output that is an input, under whatever name, or another output; otherwise what
@@ -90,7 +90,7 @@ impl Files {
     }
 }
 
-/// Whether two paths lead to one regular file, that there is or that would be.
+/// Whether two paths lead to one regular file, which may exist or be still to be written.
 pub fn is_same(one: &Path, other: &Path) -> bool {
     match (one.metadata(), other.metadata()) {
         (Ok(one), Ok(other)) => one.is_file() && (one.dev(), one.ino()) == (other.dev(), other.ino()),
@@ -155,7 +155,7 @@ pub fn write_json(axis: Axis, path: &Option<PathBuf>, result: &impl Serialize) -
     write(path, kind::JSON, &(text + "\n"))
 }
 
-/// Writes a text file in the place of what it may replace; whole or not at all.
+/// Writes a text file, whole or not at all, and replaces only what `replace` permits.
 pub fn write(path: &Path, replace: Replace, text: &str) -> anyhow::Result<()> {
     Ok(write_bytes(path, replace, text.as_bytes())?)
 }

@@ -11,12 +11,12 @@ use parquet::file::properties::WriterPropertiesBuilder;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
 
-/// What every file's metadata says of this program.
+/// The metadata entry that names this program and its version in every file.
 pub fn software() -> (String, String) {
     ("software".to_owned(), format!("haptic-camera {}", env!("CARGO_PKG_VERSION")))
 }
 
-/// Begins a file of these columns; every value is there unless `repetition` lets it be absent.
+/// Begins a file of these columns; `repetition` says whether values may be missing.
 pub fn begin<'a, To: Write + Send>(
     to: To,
     name: &str,
@@ -37,7 +37,7 @@ pub fn begin<'a, To: Write + Send>(
     SerializedFileWriter::new(to, schema, Arc::new(properties))
 }
 
-/// Writes a column of values, and for each row whether it has one where not all have.
+/// Writes a column of values; `there` says for each row whether it has a value, `None` that every row has one.
 pub fn write_column<Kind: DataType, To: Write + Send>(
     group: &mut SerializedRowGroupWriter<'_, To>,
     values: &[Kind::T],

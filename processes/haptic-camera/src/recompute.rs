@@ -31,7 +31,7 @@ pub struct Recomputed {
     pub models: usize,
     /// Whether every torque command is equal, bit for bit.
     pub equal: bool,
-    /// The first tick at which it is not.
+    /// The first tick at which the torque commands differ.
     pub first_difference: Option<Difference>,
     pub different_ticks: usize,
     /// Largest difference, mNm.
@@ -48,7 +48,7 @@ pub struct Difference {
     pub t_s: f64,
     /// The torque command in the archive, mNm.
     pub recorded_mnm: f64,
-    /// The one computed, mNm.
+    /// The computed torque command, mNm.
     pub computed_mnm: f64,
 }
 

@@ -10,13 +10,13 @@ use crate::command_line::RigOptions;
 use crate::outcome::Outcome;
 use crate::supervision::{Interrupt, SupervisedRun};
 
-/// A run through a sweep with something else on the rig than a knob: `none`, or `locked`.
+/// A run through a sweep without a knob: `on_it` is `none` or `locked`.
 pub fn request(on_it: &str, sweep: &str, duration_s: f64, pace: Pace, rig: RigRequest) -> RunRequest {
     let (knob, sweep) = (Some(on_it.to_owned()), sweep.to_owned());
     RunRequest { knob, sweep, duration_s, pace, rig, ..RunRequest::default() }
 }
 
-/// Makes the run in a folder of its own that says its purpose; gives its archive, and whether data was lost.
+/// Makes the run in a folder of its own, named after its purpose; gives its archive, and whether data was lost.
 pub fn archive(
     request: RunRequest,
     rig: &RigOptions,

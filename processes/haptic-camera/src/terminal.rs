@@ -53,8 +53,8 @@ pub fn width(table: &Table) -> u16 {
     table.column_max_content_widths().iter().map(|content| content + 2).sum::<u16>().saturating_sub(1)
 }
 
-/// A sentence in lines that fit, unless a word does not; those after the first are indented to behind
-/// the sentence's dash, or the label that two blanks end.
+/// A sentence in lines of at most [`WIDTH`] columns, unless a word is longer. Lines after the first are indented past the
+/// sentence's dash, or past its label, which two blanks end.
 pub fn paragraph(sentence: &str) -> Vec<String> {
     let indent = indent(sentence);
     let (mark, words) = sentence.split_at_checked(indent).unwrap_or(("", sentence));

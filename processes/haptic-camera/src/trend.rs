@@ -28,7 +28,7 @@ pub struct TrendOptions {
 /// The columns of a table by which captures are grouped.
 const GROUPS: [&str; 2] = ["knob", "rig"];
 const DAY_NS: f64 = 86_400e9;
-/// How the ends of a parameter's interval are called after it.
+/// Endings of the column names of an interval's two ends.
 const ENDS: [&str; 2] = ["_ci95_low", "_ci95_high"];
 
 /// A parameter in a capture: when it was captured, ns since 1970, and value with both ends of its interval.

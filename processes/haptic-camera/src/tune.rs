@@ -87,9 +87,9 @@ fn read_present(revision: u64, model_toml: &str) -> anyhow::Result<Present> {
 
 /// What became of a model that was sent.
 enum Sent {
-    /// It is felt; in sentences, where it feels otherwise than the model says.
+    /// It is felt; the sentences say where it feels different from the model.
     Taken(Vec<String>),
-    /// Another was faster; this is the model now.
+    /// Another model was sent first, and is the model now.
     Overtaken(Present),
 }
 
@@ -169,7 +169,7 @@ impl LoopModels {
         }
         let deadline = Instant::now() + ANSWER;
         while Instant::now() < deadline {
-            // Asked before: an answer comes before its sender lets go.
+            // Asked before the answer is received: an answer comes before its sender lets go.
             let connected = pending.is_connected();
             if let Ok(Some(answer)) = pending.receive() {
                 let answer = serde_json::from_slice(answer.payload())
@@ -185,7 +185,7 @@ impl LoopModels {
     }
 }
 
-/// Gives the parameters their values, all of them or, where one cannot be, none.
+/// Sets all parameters to their values, or none if one of them cannot be set.
 ///
 /// An effect whose values change no longer says where they come from.
 fn apply(settings: &[(String, f64)], model: &mut Model) -> Result<(), CompositionError> {

@@ -1,8 +1,8 @@
 //! How well a capture must know a knob before it may end: `capture --until-ci`.
 //!
-//! Whether a parameter is known well enough is the live fit's word ([`identification::live::Criterion`]). One that the data
-//! cannot tell yet is waited for, since a later part of the sweep may excite it. One that the model does not have, detents on
-//! a knob without them, is not.
+//! The live fit decides whether a parameter is known well enough ([`identification::live::Criterion`]). A parameter that the data
+//! do not determine yet is waited for, since a later part of the sweep may excite it; one that the model does not have, such as
+//! detents of a knob without them, is not.
 
 use std::fmt;
 use std::str::FromStr;
@@ -38,14 +38,14 @@ impl fmt::Display for Share {
 /// Factor by which the data must grow while the criterion holds before the sweep ends. Successive estimates rest on nearly the same
 /// data; an interval that is small by chance is then unlikely to stay small with new data.
 const HELD_GROWTH: f64 = 1.1;
-/// Estimates that must hold in a row, besides.
+/// Number of consecutive estimates that must also meet the criterion.
 const HELD_ESTIMATES: u32 = 10;
 
 /// Ends a sweep once every parameter is known well enough, and says how far the sweep came.
 #[derive(Clone, Debug)]
 pub struct StopRule {
     pub asked: Share,
-    /// Since when it has held without a break: time in the run, s, and estimates.
+    /// Since when the criterion has held without a break: time in the run, s, and number of estimates.
     held: Option<(f64, u32)>,
     newest_s: f64,
     /// Time in the run at which everything was known well enough, s; `None` as long as that has not come.
@@ -99,7 +99,7 @@ impl StopRule {
     }
 }
 
-/// The estimate that a message of the live fitter is of.
+/// The estimate in a message of the live fitter.
 pub fn estimate_of(update: &FitUpdate) -> LiveEstimate {
     let finite = |value: f64| value.is_finite().then_some(value);
     let kinds = || dynamics::effects::ALL.iter().flat_map(|effect| effect.parameters);

@@ -1,7 +1,7 @@
 //! The live fitter: fits the model while the run goes on.
 //!
 //! **Reads** the samples (those of the last seconds first) and the run's description. **Publishes**
-//! the model fitted so far, 20 times a second, and its own health twice a second.
+//! the model fitted so far, 25 times a second, and its own health twice a second.
 //!
 //! **When it dies** nothing but the estimates stops. Restarted it begins anew with the samples that
 //! the stream keeps as history, and says so by the number of samples its estimates rest on.
@@ -58,7 +58,7 @@ fn fit_stream(arguments: &Arguments) -> anyhow::Result<()> {
     let mut cadence = Cadence::new();
     while !stop.is_asked() {
         streams.take_samples(run.run_id, |sample| {
-            // It repeats the values of an earlier one.
+            // A stale sample repeats the values of an earlier one.
             if sample.flags & shared_types::Sample::STALE != 0 {
                 return;
             }

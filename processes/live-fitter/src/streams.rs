@@ -1,4 +1,4 @@
-//! What the live fitter listens to and says.
+//! The streams that the live fitter receives and publishes.
 
 use std::time::Duration;
 
@@ -113,7 +113,7 @@ impl Streams {
         self.newest
     }
 
-    /// Publishes an update, with what the streams know of it filled in.
+    /// Fills in what the streams know of an update, and publishes it.
     ///
     /// # Errors
     /// When it cannot be sent.
@@ -129,7 +129,7 @@ impl Streams {
         Ok(())
     }
 
-    /// Says how this process is, when it is time to.
+    /// Publishes the health of this process when a report is due.
     ///
     /// # Errors
     /// When it cannot be sent.

@@ -28,7 +28,8 @@ fn print_error(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// Tells that standard output was not written; whoever closed a pipe, as `head` does, knows.
+/// Tells that standard output was not written, unless its reader closed the pipe, as `head` does; gives the exit status of a
+/// failure.
 pub fn tell_lost_output(error: &std::io::Error) -> ExitCode {
     if error.kind() != ErrorKind::BrokenPipe {
         print_error(&format!("error: standard output could not be written ({error}); free some space, or redirect it"));

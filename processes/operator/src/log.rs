@@ -35,7 +35,7 @@ pub fn start_log(level: LevelFilter) {
         .init();
 }
 
-/// Whether standard error may be coloured: a terminal, and no word against it (<https://no-color.org>).
+/// Whether standard error may be coloured: it is a terminal, and `NO_COLOR` is unset or empty (<https://no-color.org>).
 #[must_use]
 pub fn log_may_be_coloured() -> bool {
     std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())

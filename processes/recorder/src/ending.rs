@@ -9,8 +9,8 @@ use crate::recording::Recording;
 const PATIENCE_NS: u64 = 1_000_000_000;
 /// How long the last estimates and health reports are waited for after the last sample, ns.
 const AFTERMATH_NS: u64 = 200_000_000;
-/// How long the run's end is waited for once the recorder is asked to stop, ns: a supervisor that is gone takes the control
-/// loop with it too, whose last samples come within that.
+/// How long the run's end is waited for once the recorder is asked to stop, ns. A supervisor that is gone ends the control loop
+/// too, whose last samples come within that time.
 const FAREWELL_NS: u64 = 3_000_000_000;
 
 /// Watches for the end of a run. Times are CLOCK_MONOTONIC.

@@ -4,12 +4,11 @@
 //! loop's status, the models that a replay renders, the live fitter's estimates and every consumer's
 //! health. **Publishes** its own health twice a second.
 //!
-//! **When it dies**, even by SIGKILL, the control loop does not notice, and what was written up to
-//! half a second before is on the disk. Restarted with the same `--out` it goes on in a new part,
-//! `FILE.mcap.part-001` and so on; the samples of the meantime reach it as history. At the end of
-//! the run the parts become `FILE.mcap`, each sample once. **When the disk is full**, or the
-//! folder is removed, it goes on in a folder of its own in the temporary directory; where there is no room either it keeps 100 s in memory and
-//! looks for room. **When the control loop dies** it ends the archive properly.
+//! **When it dies**, even by SIGKILL, the control loop does not notice, and what was written up to half a second before is on the
+//! disk. Restarted with the same `--out` it goes on in a new part, `FILE.mcap.part-001` and so on; the samples of the meantime
+//! reach it as history. At the end of the run the parts become `FILE.mcap`, each sample once. **When the disk is full**, or the
+//! folder is removed, it goes on in a folder of its own in the temporary directory; without room there either, it keeps 100 s in
+//! memory and looks for room. **When the control loop dies** it ends the archive properly.
 //!
 //! Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but samples are missing.
 
@@ -23,7 +22,8 @@ mod streams;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// How often the queues are looked at. They hold sixteen seconds; with the publisher's millisecond this keeps a sample's way
+/// How often the queues are looked at. They hold sixteen seconds. With the publisher's cycle of a millisecond, this keeps a
+/// sample's latency below two milliseconds.
 /// below two.
 const POLL_INTERVAL: Duration = Duration::from_micros(250);
 
@@ -57,7 +57,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Records one run; the number of samples that are missing in the archive.
+/// Records one run; gives the number of samples that are missing in the archive.
 fn record(arguments: &Arguments) -> anyhow::Result<u64> {
     let stop = consumer::Stop::listen()?;
     let mut streams = streams::Streams::attach(arguments.restarts)?;

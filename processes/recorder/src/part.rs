@@ -15,8 +15,8 @@ use shared_types::RunDescription;
 /// Bytes gathered before the operating system is called; a chunk is a few times as long.
 const BUFFER_BYTES: usize = 256 * 1024;
 
-/// How often the disk is asked to take what the operating system holds: what a power cut can cost. Writing waits while the
-/// disk is at it, so not with every chunk.
+/// Interval between requests to sync the file to the disk: what a power cut can cost. Writing waits during a sync, so one does
+/// not follow every chunk.
 const SYNC_INTERVAL: Duration = Duration::from_millis(400);
 
 /// A part that is being written.
@@ -25,16 +25,16 @@ pub(crate) struct Part {
     pub(crate) writer: CaptureWriter<BufWriter<File>>,
     file: File,
     disk: Disk,
-    /// When the disk was last asked to take what the operating system holds.
+    /// Time of the last request to sync the file.
     asked: Instant,
 }
 
-/// How far a flush has brought what was written.
+/// What a flush did and found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Flushed {
-    /// The disk has taken what it was last asked to take.
+    /// A sync that was requested earlier has completed.
     pub(crate) taken: bool,
-    /// The disk is now asked to take everything that was written so far.
+    /// A sync of everything written so far was requested.
     pub(crate) asked: bool,
 }
 
@@ -76,11 +76,12 @@ impl Part {
         }
     }
 
-    /// Gives the part up after a failure; its file, if that is gone from its place and can be saved elsewhere.
+    /// Gives the part up after a failure; returns its file if that has vanished from its place, so that it can be saved
+    /// elsewhere.
     pub(crate) fn give_up(self) -> Option<File> {
         let vanished = self.has_vanished();
         let Self { path: _, writer, file, disk, asked: _ } = self;
-        // It tries to end the file, which may fail: what was flushed is sound without.
+        // Dropping the writer tries to end the file, which may fail: what was flushed is sound without an end.
         drop(writer);
         drop(disk);
         vanished.then_some(file)
@@ -100,7 +101,7 @@ impl Part {
     }
 }
 
-/// Brings a file to the disk from a thread of its own, since a disk can take seconds: one request at a time.
+/// Syncs a file to the disk on a thread of its own, since a disk can take seconds; one request at a time.
 struct Disk {
     requests: SyncSender<()>,
     results: Receiver<std::io::Result<()>>,
@@ -123,14 +124,14 @@ impl Disk {
         Ok(Self { requests, results, at_work: false, thread })
     }
 
-    /// Asks for the file to be brought to the disk, unless that is under way; whether it is asked.
+    /// Requests a sync, unless one is under way; returns whether it was requested.
     fn ask(&mut self) -> bool {
         let asked = !self.at_work && self.requests.try_send(()).is_ok();
         self.at_work |= asked;
         asked
     }
 
-    /// Whether what was asked for is done since this was last called.
+    /// Whether the requested sync has completed since the last call.
     fn has_taken(&mut self) -> std::io::Result<bool> {
         let Ok(result) = self.results.try_recv() else { return Ok(false) };
         self.at_work = false;
@@ -140,7 +141,7 @@ impl Disk {
     fn join(self) {
         let Self { requests, results: _, at_work: _, thread } = self;
         drop(requests);
-        // It does not panic, and its failures show in the last sync.
+        // The thread does not panic, and its failures show in the last sync.
         let _ = thread.join();
     }
 }

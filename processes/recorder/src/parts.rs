@@ -13,11 +13,11 @@ pub(crate) fn next_free(out: &Path, directory: &Path) -> anyhow::Result<PathBuf>
         .with_context(|| format!("{} has {} parts already; move them away", out.display(), parts::MOST))
 }
 
-/// The parts of this run that lie in `directory`, oldest first; what is not known to be its own is left alone.
+/// The parts of this run that lie in `directory`, oldest first; a file that is not known to be a part of it is left alone.
 pub(crate) fn of_run(out: &Path, directory: &Path, run_id: u64) -> Vec<PathBuf> {
     let is_ours = |part: &parts::Part| match part.run_id {
         Ok(Some(found)) => found == run_id,
-        // A recorder that was killed at once left it. Nothing is lost with it, and it need not stay.
+        // It was left by a recorder that was killed at once. It holds nothing, and may be removed.
         Ok(None) => part.is_empty(),
         Err(_) => false,
     };

@@ -14,7 +14,7 @@ use crate::part::{Flushed, Part};
 use crate::parts;
 use crate::rescue::Rescue;
 
-/// How often a chunk is closed: what a kill of everything can cost. Half a second is promised, and on a machine whose
+/// Interval between chunks: what is lost when all processes are killed. Half a second is promised, and on a machine whose
 /// processors and disk are both taken a chunk was seen to reach the operating system 0.3 s late.
 const FLUSH_INTERVAL: Duration = Duration::from_millis(150);
 
@@ -41,12 +41,11 @@ pub(crate) struct Recording {
     part: Option<Part>,
     /// Every sample that this process received, over all its parts.
     received: SequenceLedger,
-    /// Entries that are not yet on the disk. They are written again when the part fails, whether in a write or because the
-    /// disk could not take what the operating system had.
+    /// Entries that are not yet on the disk. They are written again when the part fails, whether in a write or in a sync.
     unsaved: VecDeque<Entry>,
-    /// How many of these the disk is at work on.
+    /// How many of these the sync under way covers.
     at_disk: usize,
-    /// When the part was flushed, or a place was looked for.
+    /// Time of the last flush, or of the last search for a place.
     flushed: Instant,
     /// Copies of parts that were removed while they were written.
     rescues: Vec<Rescue>,
@@ -91,7 +90,7 @@ impl Recording {
         self.received.missing() - self.received.first().unwrap_or(0)
     }
 
-    /// Writes one message, in another place if this one fails; a sample that came before, never again.
+    /// Writes one message, in another place if this one fails. A sample that came before is not written again.
     ///
     /// While no place takes it, it is kept in memory as long as there is room.
     pub(crate) fn write(&mut self, entry: Entry) {
@@ -133,7 +132,7 @@ impl Recording {
         }
     }
 
-    /// Lets go of what the disk has.
+    /// Drops the entries that are on the disk.
     fn forget(&mut self, flushed: Flushed) {
         if flushed.taken {
             self.unsaved.drain(..self.at_disk);
@@ -159,7 +158,7 @@ impl Recording {
         }
     }
 
-    /// Begins a part where everything that waits can be written; gives its file.
+    /// Begins a part in a place that takes everything that waits; gives its file.
     fn go_on(&mut self) -> anyhow::Result<PathBuf> {
         let elsewhere = create_fallback_dir(self.run_id()).context("there is no temporary directory");
         let part = elsewhere
@@ -167,7 +166,7 @@ impl Recording {
             .or_else(|error| self.begin_part_in(folder_of(&self.out)).map_err(|_| error))?;
         let path = part.path.clone();
         self.part = Some(part);
-        // The new part's disk is not at work on any of these entries yet.
+        // No sync of the new part covers any of these entries yet.
         self.at_disk = 0;
         Ok(path)
     }
@@ -190,7 +189,7 @@ impl Recording {
             Ok(part)
         };
         begin().inspect_err(|_| {
-            // Everything in it is still in memory; if it cannot be removed, merging knows each sample once.
+            // Everything in it is still in memory; if it cannot be removed, merging keeps each sample once.
             let _ = std::fs::remove_file(&path);
         })
     }
@@ -201,7 +200,7 @@ impl Recording {
         places.into_iter().flat_map(|place| parts::of_run(&self.out, place, self.run_id())).collect()
     }
 
-    /// Ends the last part and makes one archive of all; the number of samples that are missing.
+    /// Ends the last part and makes one archive of all; gives the number of samples that are missing.
     pub(crate) fn finish(self, published_samples: u64) -> anyhow::Result<u64> {
         let (out, elsewhere) = (self.out.clone(), fallback_dir(self.run_id()));
         let missing = self.end(published_samples);
@@ -269,7 +268,7 @@ impl Recording {
     }
 }
 
-/// Says what the archive holds; the number of samples that are missing.
+/// Says what the archive holds; gives the number of samples that are missing.
 fn tell(out: &Path, ledger: &SequenceLedger) -> u64 {
     if ledger.missing() == 0 {
         tracing::info!("{}: {} samples, none missing", out.display(), ledger.admitted());

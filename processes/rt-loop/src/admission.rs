@@ -19,7 +19,7 @@ pub struct Admission {
 pub struct Admitted {
     /// As the renderer takes it.
     pub rendered: Box<RenderedModel>,
-    /// What will be felt otherwise than the model says, in sentences.
+    /// Where the rendering will feel different from the model, in sentences.
     pub remarks: Vec<String>,
 }
 

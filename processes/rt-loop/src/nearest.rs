@@ -34,7 +34,7 @@ impl Admission {
     /// bears at rest. Effects that have no place in the renderer are left out.
     ///
     /// # Errors
-    /// The refusal of a model that does not come inside the bounds so.
+    /// The refusal, if the model does not come inside the bounds by these changes.
     pub fn nearest(&self, model: &Model) -> Result<Nearest, PlanError> {
         let mut tried = model.clone();
         for _ in 0..ROUNDS {
@@ -55,7 +55,7 @@ impl Admission {
         self.admit(&tried).map(|admitted| nearest(model, tried, admitted))
     }
 
-    /// Brings what passes a bound to it; `false` where the model has nothing that would do so.
+    /// Brings the quantity that exceeds a bound back to it; `false` where no parameter of the model does that.
     fn meet(&self, model: &mut Model, exceeded: &BoundExceeded) -> bool {
         let BoundExceeded { what, value, bound, .. } = *exceeded;
         if !value.is_finite() {
@@ -81,7 +81,7 @@ impl Admission {
             Bounded::Contact => {
                 let Some([stiffness_mnm_rad, damping]) = self.nearest_contact(model) else { return false };
                 let own = model.coupling().map_or(0.0, |coupling| coupling.stiffness_mnm_rad);
-                // The same again would not be admitted either.
+                // An unchanged stiffness would be refused again.
                 let stiffness_mnm_rad = stiffness_mnm_rad.min(own * (1.0 - INSIDE));
                 stiffness_mnm_rad > 0.0
                     && change(model, |kind, _, unit, value| match (kind.part, unit) {
@@ -148,13 +148,13 @@ fn set_share(model: &mut Model, share: f64) -> bool {
     })
 }
 
-/// Another cap before the same inner body.
+/// Gives the cap before the inner body another inertia; the inner body keeps its own.
 fn set_cap(model: &mut Model, cap: f64) -> bool {
     let inner = model.coupling().map_or(0.0, |coupling| coupling.inertias(model.inertia())[1]);
     set_inertia(model, cap + inner) && set_share(model, inner / (cap + inner))
 }
 
-/// Torques of the angle made weaker as a whole, so that they keep their shape.
+/// Scales all torques of the angle by `share`, so that they keep their shape.
 fn scale_torques(model: &mut Model, share: f64) -> bool {
     change(model, |kind, name, unit, value| {
         let of_angle = kind.steepest_mnm_rad.is_some() && (unit.starts_with("mNm") || name == "table_scale");

@@ -17,7 +17,7 @@ pub(crate) struct Digits {
 }
 
 impl Digits {
-    /// Digits to where the half width of an interval starts; two of its digits if the first is a 1.
+    /// Digits down to the first digit of an interval's half width, or to its second digit if the first is a 1.
     pub(crate) fn of_interval(value: f64, half_width: f64) -> Self {
         if !(half_width > 0.0 && half_width.is_finite()) {
             return Self::significant(value, 6);

@@ -57,7 +57,7 @@ pub(crate) fn document(title: &str, content: &Markup) -> Markup {
         html lang="en" {
             head {
                 meta charset="utf-8";
-                // By this a page is known to be replaceable by a later one.
+                // Marks a page that a later one may replace.
                 meta name="generator" content="haptic-camera";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";

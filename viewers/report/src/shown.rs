@@ -1,4 +1,4 @@
-//! What a fit's page tells that follows from the fit, under the names that the JSON has for it.
+//! The numbers on a fit's page that follow from the fit, under their names in the JSON.
 
 use std::collections::BTreeMap;
 
@@ -31,7 +31,7 @@ pub struct FitNumbers {
 }
 
 impl FitNumbers {
-    /// Of a fit, and of the model that a simulated rig turned.
+    /// The numbers of a fit, and of the model that a simulated rig turned.
     #[must_use]
     pub fn of(fit: &Fit, truth: Option<&Model>) -> Self {
         let value = |name: &str| fit.parameters.get(name).and_then(|parameter| parameter.value);
@@ -67,7 +67,7 @@ pub struct DiagnosisNumbers {
     pub model_parameters: BTreeMap<&'static str, ModelValue>,
     /// What is left of the held-out capture over the noise floor: by the first model, then with each effect more.
     pub heldout_over_noise_floor: Vec<f64>,
-    /// How many times smaller what was added makes each gap; none if nothing was added.
+    /// Factor by which the added effects reduce each gap; none if nothing was added.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub smaller_by: BTreeMap<&'static str, f64>,
     /// Evidence of each effect less that of its closest rival, nats; `None` where every rival is ruled out.
@@ -76,7 +76,7 @@ pub struct DiagnosisNumbers {
 }
 
 impl DiagnosisNumbers {
-    /// Of a diagnosis.
+    /// The numbers of a diagnosis.
     #[must_use]
     pub fn of(found: &Diagnosis) -> Self {
         let model_parameters =

@@ -1,8 +1,8 @@
 //! What was drawn, kept for the pages that ask for it.
 //!
-//! A page asks for a range of frames and is given one rerun file with one message for each entity, since what rerun's program
-//! takes in costs it by the message, not by the point. What belongs to no time (layout, styles, axes, detents) is kept in its
-//! newest state as long as the viewer lives; of the run itself as much as there is room for.
+//! A page asks for a range of frames and is given one rerun file with one message for each entity, since rerun's program spends
+//! its time per message, not per point. Messages that belong to no time (layout, styles, axes, detents) are kept in their newest
+//! state as long as the viewer lives; of the run itself, as much is kept as there is room for.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
@@ -18,8 +18,8 @@ use serde::Serialize;
 use crate::drawing::TIMELINE;
 use crate::lock::lock;
 
-/// Bytes of the run at which an answer ends. It is more than the plots show, 10 s, and as much is kept at least, for the
-/// pages that are there.
+/// Bytes of the run at which an answer ends: more than the 10 s that the plots show. At least as much is kept, for the pages that
+/// are open.
 const ANSWER_BYTES: u64 = 2 << 20;
 /// Frames at which an answer ends: the 10 s that the plots show.
 const ANSWER_FRAMES: usize = 40;
@@ -69,7 +69,7 @@ struct Piece {
 }
 
 impl Drawn {
-    /// Nothing yet; of the run no more than `limit_bytes` will be kept, or one answer.
+    /// An empty store that will keep at most `limit_bytes` of the run, but never less than one answer.
     pub fn new(limit_bytes: u64) -> Self {
         let limit_bytes = limit_bytes.max(ANSWER_BYTES);
         let (loose, lasting, pieces) = Default::default();
@@ -87,8 +87,8 @@ impl Drawn {
         lock(&self.0).seal();
     }
 
-    /// The newest of the kept frames from number `from` to before number `to`, as a rerun file that is empty when nothing is new. Without
-    /// `to`, the frames reach to the newest one, and the file also has what is new of what belongs to no time.
+    /// The newest of the kept frames from number `from` to before number `to`, as a rerun file that is empty when nothing is new.
+    /// Without `to`, the frames reach to the newest one, and the file also has the new messages that belong to no time.
     pub fn answer(&self, from: u64, to: Option<u64>) -> anyhow::Result<(Contents, Vec<u8>)> {
         let (contents, mut messages, chunks) = lock(&self.0).pick(from, to);
         let mut chunks = merged(chunks)?;
@@ -136,7 +136,8 @@ impl Kept {
         }
     }
 
-    /// What an answer tells, what belongs to no time in it, and the rows of the run in the order in which they were drawn.
+    /// The contents of an answer, its messages that belong to no time, and the rows of the run in the order in which they were
+    /// drawn.
     fn pick(&self, from: u64, to: Option<u64>) -> (Contents, Vec<LogMsg>, Vec<(StoreId, Chunk)>) {
         let end = to.unwrap_or(self.next).min(self.next);
         let [begin, after] = [from, end].map(|end| self.pieces.partition_point(|piece| piece.number < end));
@@ -161,7 +162,7 @@ impl Kept {
     }
 }
 
-/// What a newer version has in common with what it takes the place of.
+/// The key that a newer version of a message has in common with the version that it replaces.
 fn key(store: &StoreId, chunk: &Chunk) -> String {
     let mut components: Vec<_> = chunk.components_identifiers().map(|name| name.to_string()).collect();
     components.sort_unstable();

@@ -7,7 +7,7 @@ use crate::model_curves::POINTS_PER_DETENT;
 use crate::model_torque::KnobModel;
 use crate::source::Reading;
 
-/// Time between two drawn angles: as often as a screen shows another picture is not needed.
+/// Time between two drawn angles: an angle for every picture of the screen is not needed.
 const TURN_PERIOD_NS: i64 = 40_000_000;
 /// Shortest time between two changes of the colour: what changes faster than that nobody reads.
 const MOTION_PERIOD_NS: i64 = 500_000_000;

@@ -199,7 +199,7 @@ fn open(arguments: &Arguments) -> anyhow::Result<(Box<dyn Source>, Picture, Subj
     Ok((Box::new(capture), picture, subject))
 }
 
-/// Tells the operator where to look, and how from elsewhere if that is asked for: all that comes on standard output.
+/// Tells the operator where to look, and how from elsewhere if that is asked for; nothing else is written to standard output.
 fn announce(page: SocketAddr, subject: Subject, in_foreground: bool, remote: bool) {
     let what = if subject.is_live { "live view" } else { "view of the capture" };
     let how_to_end = if in_foreground { " (Ctrl-C ends it)" } else { "" };

@@ -5,7 +5,7 @@ use shared_types::ModelChange;
 
 use crate::numbers::three_digits;
 
-/// The model that is felt, and what was turned of it last.
+/// The model that is felt, and the model before it.
 #[derive(Clone, Debug)]
 pub struct RenderedModel {
     model: Model,
@@ -20,7 +20,7 @@ impl RenderedModel {
         Ok(Self { model, before: before.map(|before| before.model), from_s: change.tick as f64 / rate_hz })
     }
 
-    /// Its parameters as a table; values that were turned stand out, with what they were.
+    /// Its parameters as a table; changed values stand out, beside the value before.
     pub fn markdown(&self) -> String {
         let (name, from_s) = (&self.model.name, self.from_s);
         let row = |(parameter, value): (&ParameterKind, f64)| {

@@ -50,7 +50,7 @@ impl RigSource {
     }
 }
 
-/// Reads a message in JSON; one that cannot be read is told and not shown.
+/// Reads a message in JSON; one that cannot be read is reported and not shown.
 fn read<T: DeserializeOwned>(json: &[u8], what: &str) -> Option<T> {
     let read = serde_json::from_slice(json);
     read.inspect_err(|error| tracing::error!("{what} cannot be read and is not shown: {error}")).ok()
@@ -94,7 +94,7 @@ impl Source for RigSource {
     }
 }
 
-/// What of a run went through.
+/// The samples of a run that this viewer has received.
 struct Counts {
     received: SequenceLedger,
     health: Health,

@@ -28,7 +28,7 @@ use crate::{entities, layout, page, port};
 const APPLICATION: &str = "haptic-camera";
 /// How often the window is asked whether it is still there.
 const CONNECTION_CHECK: Duration = Duration::from_millis(500);
-/// What is given to finding out whether a window listens.
+/// Time limit for finding out whether a window listens.
 const CONNECT_LIMIT: Duration = Duration::from_millis(200);
 
 /// Where to show.
@@ -183,8 +183,8 @@ impl Place {
     }
 }
 
-/// The recording of a run, which goes the carrier's way. Its name is the run's: what a viewer that was started again
-/// shows joins what a page has already.
+/// The recording of a run, which goes the carrier's way. It is named after the run, so that what a restarted viewer shows joins
+/// what a page already has.
 fn recording_of(run_id: u64, carrier: &RecordingStream) -> anyhow::Result<RecordingStream> {
     let carrier = carrier.clone();
     let onwards =

@@ -48,7 +48,7 @@ pub fn nanoseconds(seconds: f64) -> i64 {
     (seconds * 1e9).round() as i64
 }
 
-/// What comes from a running rig, or from what one left behind.
+/// A running rig, or a capture that one left behind.
 pub trait Source {
     /// Hands everything that has come since the last call over to `picture`; does not wait. Samples are not wanted while the
     /// rate is unknown: without a time they cannot be drawn, and wait in the source. Fails when the source has failed for good.

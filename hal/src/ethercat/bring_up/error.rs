@@ -26,10 +26,10 @@ pub enum BringUpError {
     /// The interface is down.
     #[error("{0} takes no frames; bring it up (`ip link set {0} up`) and check its cable")]
     Down(String),
-    /// Whoever waits has it stop.
+    /// The caller asked to stop.
     #[error("stopped")]
     Stopped,
-    /// A device spoke where it was to answer.
+    /// A device sent a message of its own in place of an answer.
     #[error(
         "a device sent an emergency message while it was set up; clear its fault, or switch it off and on, and try again"
     )]
@@ -44,7 +44,7 @@ pub enum BringUpError {
         /// What there is.
         there: String,
     },
-    /// Several devices are what one was asked for.
+    /// Several devices match the one that was asked for.
     #[error("{count} devices are {asked}, which [settings] has for '{name}'; add `position`; there are {there}")]
     Ambiguous {
         /// The file's name for it.

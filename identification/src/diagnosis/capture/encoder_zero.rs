@@ -20,11 +20,11 @@ use crate::uncertainty::statistics::{NORMAL_95, plus_minus};
 const PER_PHASE: f64 = 3.0;
 /// Most angles that are tried.
 const MOST_TRIED: usize = 4_000;
-/// Rows by which they are compared, at most twice as many.
+/// Number of rows at which the angles are compared; the comparison takes at most twice as many.
 const ROWS: usize = 2_000;
 /// The smallest angle is taken among those whose sum of squares exceeds the least one by at most this share.
 const AS_GOOD: f64 = 0.02;
-/// Share of the sum of squares at the rows' middles by which another zero must reduce it to be examined closely.
+/// Another zero is examined closely if it reduces the sum of squares at the rows' middles by this share.
 const PROMISING: f64 = 0.05;
 /// Halvings of the distance between two tried angles.
 const HALVINGS: usize = 12;
@@ -34,7 +34,8 @@ const WORTHWHILE: f64 = 0.2;
 const CHANCE: f64 = 1e-4;
 /// Share of its interval by which the angle may change when it is estimated again.
 const SETTLED: f64 = 0.5;
-/// An effect of the angle that the model lacks shows the zeros if it leaves less than this share of the training capture's squares.
+/// An effect of the angle that the model lacks is used to find the zero if it leaves less than this share of the training
+/// capture's sum of squares.
 const SHOWS: f64 = 0.5;
 
 /// The angle between the zeros of two captures.
@@ -50,7 +51,7 @@ pub(crate) struct EncoderZero {
 
 impl EncoderZero {
     /// The angle between the zeros, estimated from the torques of the angle that the model has or obviously lacks; `None` if
-    /// both captures have the same zero.
+    /// no other zero is clearly better.
     pub(crate) fn of(base: &Judged, [train, heldout]: &[Capture; 2]) -> Option<Self> {
         let structure = &base.structure;
         let by_base = Self::by(structure, heldout);
@@ -95,7 +96,7 @@ impl EncoderZero {
         }
     }
 
-    /// The best angle between the zeros near one; `None` if it does not significantly reduce the held-out residual.
+    /// The best angle between the zeros near `from_rad`; `None` if it does not significantly reduce the held-out residual.
     fn near(from_rad: f64, step_rad: f64, structure: &Structure, heldout: &Capture) -> Option<Self> {
         let left = |by_rad: f64| residual(structure, &moved(heldout, by_rad));
         let squares = |by_rad: f64| {
@@ -129,14 +130,14 @@ impl EncoderZero {
     }
 }
 
-/// A capture whose angle is larger by so much.
+/// The capture with `by_rad` added to its angle.
 fn moved(capture: &Capture, by_rad: f64) -> Capture {
     let motion = &capture.motion;
     let angle_rad = motion.angle_rad.iter().map(|angle| angle + by_rad).collect();
     capture.with_motion(KnobMotion { angle_rad, ..motion.clone() })
 }
 
-/// Whether an effect is a torque of the angle. A spring counts as none: another zero of it is an offset.
+/// Whether an effect is a torque of the angle. A spring does not count: shifting its zero only adds an offset.
 fn is_of_angle(kind: &EffectKind) -> bool {
     kind.steepest_mnm_rad.is_some()
         && kind.depends_on.first() == Some(&Coordinate::Angle)
@@ -160,8 +161,8 @@ fn phase_rad(structure: &Structure, capture: &Capture) -> Option<f64> {
     finest.reduce(f64::min)
 }
 
-/// The angle, of a grid over a turn, with which the structure explains most of the capture at the rows' middles; `None` if it
-/// explains hardly more than without.
+/// The angle of a grid over a turn with which the structure explains most of the capture at the rows' middles; `None` if it
+/// explains hardly more than an angle of zero.
 fn coarse(structure: &Structure, capture: &Capture, step_rad: f64) -> Option<f64> {
     let half = ((std::f64::consts::PI / step_rad) as usize).min(MOST_TRIED / 2);
     let places = of_angle(structure);

@@ -1,4 +1,4 @@
-//! A capture made ready: motion, torque, the rows in which they are compared, and the noise that is left in these.
+//! A capture prepared for diagnosis: motion, torque, the rows in which they are compared, and the noise that is left in them.
 
 mod encoder_noise;
 pub(crate) mod encoder_zero;
@@ -42,9 +42,9 @@ const SHORT_STRETCH_ROWS: usize = 16;
 /// … the fewest stretches that determine the quietest tenth.
 const FEWEST_STRETCHES: usize = 8;
 
-/// Length of the stretches into which one capture is parted if it is to be its own held-out one, s.
+/// Length of the stretches into which a capture is divided if every other one is to be held out, s.
 const STRETCH_S: f64 = 0.5;
-/// Stretches into which a map is parted.
+/// Stretches into which a map is divided.
 const MAP_STRETCHES: usize = 32;
 /// Most periods per turn that a map is searched for: of slots times poles, few motors have more.
 const MAP_PER_TURN: f64 = 256.0;
@@ -74,7 +74,7 @@ impl Stretches {
 /// A capture ready for diagnosis.
 #[derive(Clone)]
 pub(crate) struct Capture {
-    /// Time of the first sample, s, from which the motion's time counts: what changes with time does since the capture began.
+    /// Time of the first sample, s. The motion's time counts from it, so that changes with time begin with the capture.
     pub(crate) start_s: f64,
     pub(crate) rate_hz: f64,
     pub(crate) band: Band,
@@ -89,22 +89,22 @@ pub(crate) struct Capture {
     white_torque_noise_mnm: f64,
     /// RMS in the rows of the acceleration's noise, rad/s².
     acceleration_noise_rad_s2: f64,
-    /// The same as a share of the acceleration's RMS.
+    /// RMS of the acceleration's noise as a share of the acceleration's RMS.
     pub(crate) acceleration_noise_share: f64,
-    /// Rows of the acceleration that the encoder's steps make, rad/s², where it shows any.
+    /// Rows of the acceleration error that the encoder's steps cause, rad/s²; `None` where there is no such error.
     of_steps_rad_s2: Option<Vec<f64>>,
-    /// Effective number of rows: the number of fully weighted rows that they amount to.
+    /// Effective number of rows: each row counts by the square of its weight.
     pub(crate) weight: f64,
     angle_step_rad: f64,
     /// Whether the knob was turned too slowly for its speed to be estimated: then only effects of the angle can be named.
     pub(crate) is_map: bool,
-    /// Orthonormal rows of torques that say nothing about a model here, since the capture that it was fitted to leaves them open.
+    /// Orthonormal rows of torques that cannot test a model here, since the capture it was fitted to does not determine them.
     pub(crate) undetermined: Vec<Vec<f64>>,
     scene: Scene,
 }
 
 impl Capture {
-    /// Takes out of rows what says nothing about a model here.
+    /// Removes from rows the components along [`Self::undetermined`].
     pub(crate) fn leave_undetermined_out(&self, rows: &mut [f64]) {
         vector::take_out(&self.undetermined, rows);
     }
@@ -201,7 +201,7 @@ impl Capture {
         let row_filter =
             RowFilter { rate_hz, mask, fir: Fir::identity(), step: 1, threshold_rad_s: 0.0, response: None };
         let torque_noise_mnm = noise_deviation(&torque_mnm);
-        // All rows are compared as they are; the edge is that of the finest torque of the angle that is looked for.
+        // All rows are compared as they are; the edge is the frequency of the finest torque of the angle that is looked for.
         let speed_rad_s = motion.velocity_rad_s.first().map_or(0.0, |velocity| velocity.abs());
         let edge_hz = (MAP_PER_TURN * speed_rad_s / TAU).min(0.5 * rate_hz);
         let band = Band::fixed(edge_hz, torque_noise_mnm);
@@ -216,8 +216,7 @@ impl Capture {
         self
     }
 
-    /// The capture without the rows beyond the angles of another capture; `None` if no rows are beyond them, or too few are
-    /// within.
+    /// The capture without the rows beyond the angles of another capture; `None` if there are no such rows, or too few others.
     pub(crate) fn within(&self, other: &Self) -> Option<Self> {
         let range = other.scene.lowest_rad..=other.scene.highest_rad;
         let mut within = self.clone();
@@ -284,7 +283,7 @@ impl Capture {
     }
 
     /// RMS in the rows of the error that the angle's noise causes in a simulation driven by the angle, mNm: the difference
-    /// between a simulation with as much noise added and the one without.
+    /// between a simulation with as much noise added to the angle and one without.
     fn driven_noise_mnm(&self, structure: &Structure) -> f64 {
         let deviation = (self.motion.angle_density * 0.5 * self.rate_hz).sqrt();
         let mut random = Xoshiro256PlusPlus::seed_from_u64(1);

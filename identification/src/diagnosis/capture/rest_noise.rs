@@ -6,7 +6,7 @@ use crate::preparation::row_filter::RowFilter;
 use crate::preparation::uniform::Uniform;
 use crate::uncertainty::statistics::median;
 
-/// Shortest rest that tells the noise, s.
+/// Shortest rest from which the noise is read, beyond the filter's length, s.
 const REST_S: f64 = 0.08;
 /// Parts of the rows' spectrum over which medians are taken, in cycles per row; the band ends at two fifths.
 const REST_PARTS: [f64; 5] = [0.0, 0.08, 0.18, 0.3, 0.5];
@@ -58,7 +58,7 @@ pub(super) fn in_rows_mnm(
             median(&mut lines.map(|[_, density]| *density).collect::<Vec<f64>>()) / std::f64::consts::LN_2
         })
         .collect();
-    // No noise has a redder spectrum than a random walk: a redder one comes from a drive that goes on while the knob sticks.
+    // Noise has no redder spectrum than a random walk; a redder one comes from a drive that goes on while the knob sticks.
     let ratio = (REST_PARTS[1] + REST_PARTS[2]) / (REST_PARTS[0] + REST_PARTS[1]);
     densities[0] = densities[0].min(ratio * ratio * densities[1]);
     let parts = REST_PARTS.windows(2).zip(&densities).map(|(edges, density)| (edges[1] - edges[0]) * density);

@@ -57,8 +57,8 @@ impl Structure {
         }
     }
 
-    /// Rows of the products of a friction's columns with those of a factor on it: for each column of the friction one for each of the
-    /// factor.
+    /// Rows of the products of a friction's columns with those of a factor on it: one list for each column of the friction,
+    /// with one product for each column of the factor.
     pub(crate) fn product_rows(&self, friction: usize, factor: usize, capture: &Capture) -> Vec<Vec<Vec<f64>>> {
         let [effect, by] = [friction, factor].map(|index| &self.effects[index]);
         let (Some(own), Some(others)) = (effect.kind().regressors, by.kind().regressors) else { return Vec::new() };
@@ -84,7 +84,7 @@ impl Structure {
         columns
     }
 
-    /// Signed share of the load's torque that friction growing with the load adds to it, at every sample; `None` without such friction.
+    /// Friction that grows with the load, as a signed share of the load's torque at every sample; `None` without such friction.
     pub(crate) fn load_factor(&self, motion: &KnobMotion) -> Option<Vec<f64>> {
         let model = self.model();
         let coefficient = model.load_friction();
@@ -127,7 +127,7 @@ impl Structure {
         }
     }
 
-    /// Torque of friction as it is without factors at every sample, mNm.
+    /// Returns the torque of friction at a sample, mNm, without the factors on it.
     pub(crate) fn friction_mnm(&self, motion: &KnobMotion, coulomb_only: bool) -> impl Fn(usize) -> f64 {
         let deflections = self.bristles().map(|bristles| deflections(bristles, motion));
         let frictions: Vec<&Effect> = self.frictions().into_iter().map(|index| &self.effects[index]).collect();

@@ -33,7 +33,7 @@ fn values(fit: &Nonlinear<'_>, tangents: &[Vec<f64>]) -> Vec<BTreeMap<&'static s
     let solved = LeastSquares::solve(tangents, &fit.residual);
     let robust = solved.robust(tangents);
     let interval = |column: usize| {
-        // Where a search ended early, the step that is left belongs into the interval.
+        // If a search ended early, the interval includes the step that it still had to take.
         let by_chance = student_95(robust.degrees_of_freedom) * robust.matrix[(column, column)].sqrt();
         let ci95 = fit.interval(column, by_chance + solved.coefficients[column].abs());
         ci95.filter(|[low, high]| !solved.collinear[column] && low.is_finite() && high.is_finite())

@@ -1,4 +1,4 @@
-//! What a separable fit keeps of a structure's effects in one capture: made anew only where a value changed.
+//! Rows and columns of a structure's effects that a separable fit keeps for one capture, recomputed only where a value changed.
 
 use std::sync::Arc;
 
@@ -17,19 +17,19 @@ pub(super) struct Kept {
     pub(super) loads: Vec<(usize, Arc<Vec<Vec<f64>>>)>,
 }
 
-/// Rows of the products of a friction's columns and a factor's, by the indices of both effects: a factor multiplies levels that are
-/// coefficients too.
+/// Rows of the products of a friction's and a factor's columns, with the indices of both effects: the factor multiplies friction
+/// levels that are coefficients too.
 #[derive(Clone)]
 pub(super) struct Product {
     pub(super) friction: usize,
     pub(super) factor: usize,
-    /// For each column of the friction one for each of the factor.
+    /// One list for each column of the friction, with one product for each column of the factor.
     pub(super) rows: Arc<Vec<Vec<Vec<f64>>>>,
 }
 
 impl Kept {
-    /// Makes what was kept for `before` hold for `after`, in which values may differ and effects follow at the end; only what
-    /// changed is calculated anew.
+    /// Updates what was kept for `before` to `after`, which may have other values and further effects at the end; only what
+    /// changed is recomputed.
     pub(super) fn updated(mut self, before: &Structure, after: &Structure, capture: &Capture) -> Self {
         let changed = changed(before, after);
         self.rows.resize(after.effects.len(), Vec::new());

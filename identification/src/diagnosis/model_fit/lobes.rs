@@ -1,4 +1,4 @@
-//! Detents of which each has its own place and height, as half sines from one zero of their torque to the next.
+//! Detents with a place and a height each, as half sines from one zero of their torque to the next.
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,12 +8,12 @@ use dynamics::{Coordinate, Curve, Effect, TableUse, TorqueTable, effects};
 const LARGEST_STEP: f64 = 0.3;
 /// The detents repeat after a turn if their number in a turn differs from a whole number by less than this.
 const WHOLE: f64 = 0.15;
-/// Most lobes: two to a detent, of which hardly a knob has more than forty; a motor's cogging has more.
+/// Most lobes, two to a detent: hardly any knob has more than forty detents, but a motor's cogging has.
 const MOST_LOBES: usize = 80;
 /// Relative difference up to which two heights are one.
 const EQUAL: f64 = 1e-9;
 
-/// What has a place and a height of its own.
+/// The part of the detents that has a place and a height of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unit {
     /// A detent from one rest to the next: peak and trough are equally high, and half way between the rests is the wall.
@@ -37,7 +37,7 @@ pub(crate) struct Lobes {
 }
 
 impl Lobes {
-    /// Equal ones in the place of a detent, over the angles of a capture; `None` for too few or too many of them.
+    /// Equal lobes in the place of a detent, over the angles of a capture; `None` for too few or too many of them.
     pub(crate) fn equal(unit: Unit, detent: &Effect, lowest_rad: f64, highest_rad: f64) -> Option<Self> {
         let [amplitude_mnm, period, phase] = *detent.values() else { return None };
         let in_turn = (1.0 / period).round();
@@ -60,7 +60,7 @@ impl Lobes {
         })
     }
 
-    /// The lobes of an effect, with the unit that follows from which heights are equal; `None` for an effect without lobes.
+    /// The lobes of an effect, with the unit determined by which heights are equal; `None` for an effect without lobes.
     pub(crate) fn of(effect: &Effect) -> Option<Self> {
         if !std::ptr::eq(effect.kind(), &effects::unequal_detents::KIND) {
             return None;
@@ -130,7 +130,7 @@ impl Lobes {
         }
     }
 
-    /// Which lobe an angle lies in, and how far from its first to its second zero, with their distance, rad.
+    /// The lobe in which an angle lies, the share of the way from the lobe's first zero to its second, and their distance, rad.
     fn place(&self, angle_rad: f64) -> (usize, f64, f64) {
         let first_rad = self.zeros_rad[0];
         let within_rad = first_rad + (angle_rad - first_rad).rem_euclid(self.period_rad);
@@ -143,7 +143,7 @@ impl Lobes {
         self.zeros_rad.get(lobe + 1).copied().unwrap_or(self.zeros_rad[0] + self.period_rad)
     }
 
-    /// The units' derivatives of the torque at an angle, with the columns that they belong in: one by a height, and those by places.
+    /// Derivatives of the torque at an angle, each with its column: one by the height of a unit, four by places of units.
     pub(crate) fn derivatives(&self, angle_rad: f64) -> [(usize, f64); 5] {
         let (lobe, share, width_rad) = self.place(angle_rad);
         let sign = sign(lobe);
@@ -157,7 +157,8 @@ impl Lobes {
         [(self.unit_of(lobe), sign * sine), first, second, third, fourth]
     }
 
-    /// Moved by a step of Gauss and Newton: new heights of the units, and shifts of their places, rad.
+    /// The lobes moved by a share of a Gauss–Newton step: new heights of the units, and shifts of their places, rad. `None` if
+    /// zeros would overtake each other.
     pub(crate) fn moved(&self, heights_mnm: &[f64], shifts_rad: &[f64], share: f64) -> Option<Self> {
         let most_rad = LARGEST_STEP * self.period_rad / self.lobes() as f64;
         let shift_rad = |(unit, by): (usize, f64)| by * shifts_rad[unit].clamp(-most_rad, most_rad);

@@ -1,4 +1,4 @@
-//! The fit of a structure whose torque is no linear function of anything, such as one with a coupling, whose inner body
+//! The fit of a structure whose torque is linear in none of its values, such as one with a coupling, whose inner body
 //! is simulated under the measured motion of the cap.
 //!
 //! Every value is searched, by Levenberg and Marquardt, first on slow motion and then on wider bands: on the whole band
@@ -40,7 +40,7 @@ const SECANT: f64 = 1e-2;
 const SETTLED: f64 = 1e-4;
 /// … and one below this share a band of slow motion, which only has to lead into the right valley.
 const SLOW_SETTLED: f64 = 3e-3;
-/// How far from a bound a fit is tried that stands on it, as a share of the range or, for ratios, of the value.
+/// Distance from the bound at which a value on its bound is tried, as a share of the range or, for ratios, of the value.
 const NEAR: f64 = 0.05;
 /// Steps for which derivatives are updated before they are taken anew.
 const UPDATES: usize = 2;
@@ -182,7 +182,7 @@ impl<'a> Nonlinear<'a> {
     }
 
     fn refine_in(&mut self, share: f64, rounds: usize) {
-        // A band of slow motion has to lead into the right valley: there, repeating a step with new derivatives does not count as a step.
+        // A band of slow motion has to lead into the right valley: a step repeated with new derivatives does not count there.
         let (settled, attempts) = if share < 1.0 { (SLOW_SETTLED, usize::MAX) } else { (SETTLED, rounds) };
         let mut damping = DAMPING;
         let resolution = self.resolution(share);
@@ -222,7 +222,7 @@ impl<'a> Nonlinear<'a> {
     ) -> Result<f64, Ended> {
         let (gram, right) = tangents.normal_equations(left);
         let trials = if tangents.updates > 0 { 1 } else { TRIALS };
-        // A value without effect here does not move.
+        // The added `least` keeps a value without effect in this capture from moving.
         let least = f64::EPSILON * gram.diagonal().max();
         for _ in 0..trials {
             let mut damped = gram.clone();
@@ -307,9 +307,9 @@ impl<'a> Nonlinear<'a> {
         self.tangents_by(&values, DIFFERENCE, 1.0)
     }
 
-    /// Name of a parameter of the last effect that would go beyond the bound of its search if it could: its value stands on the
-    /// bound, and a little inside the fit is clearly worse. The end of a range from which on the capture shows the same straight
-    /// line does not count as a bound.
+    /// Name of a parameter of the last effect that tends beyond the bound of its search: its value stands on the bound, and a
+    /// little inside the bound the fit is clearly worse. An end of the range beyond which the effect stays the same straight
+    /// line does not count as a bound. `None` if there is no such parameter.
     pub(crate) fn on_bound(structure: &Structure, capture: &Capture) -> Option<&'static str> {
         let index = structure.effects.len().checked_sub(1)?;
         let effect = structure.effects[index];
@@ -349,8 +349,8 @@ impl<'a> Nonlinear<'a> {
         self.tangents_over(DIFFERENCE, share)
     }
 
-    /// As [`tangents`](Self::tangents) in the whole band, but over larger steps if a body is simulated. Its torque is a step function of the
-    /// values, since at any moment it touches or sticks or does not: over small steps a single such moment would dominate the derivatives.
+    /// As [`tangents`](Self::tangents) in the whole band, but over larger steps if a body is simulated. At any moment the body
+    /// touches or sticks or does not, so its torque jumps as the values change: over small steps one jump would dominate.
     pub(crate) fn secants(&self) -> Vec<Vec<f64>> {
         self.tangents_over(if self.structure.is_simulated() { SECANT } else { DIFFERENCE }, 1.0)
     }
@@ -436,7 +436,7 @@ fn narrowed(rows: &[f64], share: f64, capture: &Capture) -> Vec<f64> {
     row_low_pass(share * capture.band.edge_hz, capture.row_rate_hz()).decimate(rows, narrowing(share, capture))
 }
 
-/// Rows of the whole band for each of a share of it.
+/// Number of rows of the whole band for each row of a share of it.
 fn narrowing(share: f64, capture: &Capture) -> usize {
     row_step(share * capture.band.edge_hz, capture.row_rate_hz())
 }
@@ -461,7 +461,7 @@ fn free_values(structure: &Structure, capture: &Capture) -> Vec<FreeValue> {
                 scale,
                 logarithmic,
             };
-            // A searched value without a range cannot be seen here, one tied to another moves with it, and an absent one has none: none is free.
+            // Not free: a searched value without a range in this capture, one tied to another value, and an absent one.
             if let Some(search) = searches.iter().find(|search| search.parameter == parameter) {
                 if let Some(range) =
                     search.range_in(&scene).filter(|_| search.same_as.is_none() && !effect.is_absent(parameter))

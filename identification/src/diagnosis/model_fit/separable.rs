@@ -62,7 +62,7 @@ impl<'a> Separable<'a> {
         dot(&self.residual, &self.residual)
     }
 
-    /// The same without what the sensors' noise leaves.
+    /// The sum of squares less what the sensors' noise alone leaves.
     pub(crate) fn squares_above_floor(&self) -> f64 {
         let floor_mnm = self.capture.floor_of_mnm(&self.structure);
         self.squares() - self.capture.weight * floor_mnm * floor_mnm
@@ -92,7 +92,7 @@ impl<'a> Separable<'a> {
         move |angle_rad| powers.iter().rev().fold(0.0, |sum, power_mnm| (sum + power_mnm) * share(angle_rad))
     }
 
-    /// Coefficients of further columns, of which some are held, fitted to a target beside all else.
+    /// Coefficients of further columns, corrected by `holds` and fitted to a target beside the fit's own columns.
     pub(crate) fn coefficients_beside(&self, more: &[Vec<f64>], target: &[f64], holds: &[Correction]) -> Vec<f64> {
         let own = self.columns();
         let columns: Vec<&[f64]> = own.iter().copied().chain(more.iter().map(Vec::as_slice)).collect();
@@ -179,8 +179,8 @@ impl<'a> Separable<'a> {
         sums
     }
 
-    /// The torque's derivatives by the coefficients, and the target of a linear fit of them. The derivatives leave out how the coefficients change
-    /// the friction of the load through the load, which is small and costly.
+    /// The torque's derivatives by the coefficients, and the target of a linear fit of them. The derivatives leave out the change
+    /// of load-dependent friction with the load's own coefficients, which is small and costly.
     fn linearised(&self) -> (Vec<Cow<'_, [f64]>>, Cow<'_, [f64]>) {
         self.linearised_with(None)
     }
@@ -190,7 +190,7 @@ impl<'a> Separable<'a> {
         let mut columns: Vec<Cow<'_, [f64]>> = self.columns().into_iter().map(Cow::Borrowed).collect();
         let mut target = Cow::Borrowed(self.target.as_slice());
         let ranges = self.structure.ranges();
-        // The product of level and factor is now in the columns of both, once too often: it is added to the target too.
+        // Linearised, the product of level and factor is in both their columns, once too often: the target gets it once more too.
         let mut multiply = |column: usize, by: f64, row: &[f64]| {
             subtract(columns[column].to_mut(), -by, row);
             subtract(target.to_mut(), -by * self.coefficients[column], row);
@@ -286,7 +286,7 @@ impl<'a> Separable<'a> {
             let step: Vec<f64> = extended[linear..].to_vec();
             let mut improved = self.try_step(searched, &step);
             if improved.is_err() {
-                // The step of a parameter that hardly matters is wild and spoils the common one: each parameter moves alone.
+                // A parameter with little effect takes a wild step that spoils the joint one, so each parameter moves alone.
                 for index in 0..searched.len() {
                     let mut alone = vec![0.0; step.len()];
                     alone[index] = step[index];
@@ -323,7 +323,7 @@ impl<'a> Separable<'a> {
             }
             Searched::Parameter { range: (least, largest), .. } => {
                 let width = largest - least;
-                // What may have either sign has no scale of its own: near zero a share of it would be no step at all.
+                // A value of either sign has no scale of its own: near zero, a share of it would be no step at all.
                 let signed = least < 0.0 && largest > 0.0;
                 let most = if signed { 0.25 * width } else { (0.25 * width).min(0.7 * value.abs().max(1e-3 * width)) };
                 (value + step.clamp(-most, most)).clamp(least, largest)

@@ -1,4 +1,4 @@
-//! What an inner body bears at rest, where a coupling alone does not explain a capture.
+//! The torque that an inner body bears at rest, fitted where a coupling alone does not explain a capture.
 //!
 //! The sum of squares is a step function of the stick limit, since a body either breaks away or does not. It has no useful
 //! derivative, so levels are tried, together with dampings of the contact: the simulation moves the cap as it was measured
@@ -26,8 +26,8 @@ const LIGHTER: [f64; 2] = [1.0, 0.25];
 /// If the best trial leaves more than this share of the sum of squares, stick limits are given up.
 const HOPELESS: f64 = 0.9;
 
-/// The fit with the best of the levels, refined from there; `None` where bodies cannot lose touch, and where no level
-/// does better than the fit without.
+/// The fit with the best of the levels, refined from there; `None` where bodies cannot lose touch, and where the best level leaves
+/// more than [`HOPELESS`] of the sum of squares.
 pub(crate) fn fitted<'a>(fit: &Nonlinear<'a>, train: &'a Capture) -> Option<Nonlinear<'a>> {
     let mut torques: Vec<f64> = train.torque_mnm(0.0).iter().map(|torque| torque.abs()).collect();
     let largest_mnm = quantile(&mut torques, LARGEST);
@@ -47,8 +47,8 @@ fn best_of<'a>(trials: &[Structure], train: &'a Capture) -> Option<Nonlinear<'a>
     Nonlinear::all(trials, train).into_iter().min_by(|a, b| a.squares().total_cmp(&b.squares()))
 }
 
-/// Structures with other limits, more damping and less inertia outside: what a structure without stick took for inertia
-/// may be blows.
+/// Structures with other limits, more damping and a lighter cap: a structure without stick may have taken blows for
+/// inertia.
 fn trials(structure: &Structure, largest_mnm: f64, train: &Capture) -> Vec<Structure> {
     let coupling = |effect: &Effect| matches!(effect.kind().part, Part::Coupling(_));
     let (Some(index), Some(inertia)) = (
@@ -74,7 +74,7 @@ fn trials(structure: &Structure, largest_mnm: f64, train: &Capture) -> Vec<Struc
     trials
 }
 
-/// The structure with the values of the effect at an index as near as its search permits.
+/// The structure with the values of the effect at an index clamped to the ranges of their searches.
 fn within_range(mut structure: Structure, index: usize, train: &Capture) -> Structure {
     let scene = train.scene_of(&structure);
     let effect = &mut structure.effects[index];
@@ -88,7 +88,7 @@ fn within_range(mut structure: Structure, index: usize, train: &Capture) -> Stru
 }
 
 impl Structure {
-    /// Whether the knob bears more at rest than friction.
+    /// Whether the structure has stick: at rest the knob may bear more than friction.
     pub(crate) fn sticks(&self) -> bool {
         self.effects.iter().any(|effect| matches!(effect.kind().part, Part::Stick(_)))
     }

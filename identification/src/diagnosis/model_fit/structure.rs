@@ -9,7 +9,7 @@ use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::lobes::Lobes;
 use crate::diagnosis::model_fit::twist;
 
-/// Share by which the values that every fit has may move.
+/// Share by which the searched values of the base effects may move.
 const NEAR: f64 = 0.03;
 
 /// A model while it is looked for.
@@ -33,7 +33,7 @@ pub(crate) enum Searched {
     Parameter {
         effect: usize,
         parameter: usize,
-        /// What it may be; a step never leaves this range.
+        /// Least and largest value; a step never leaves this range.
         range: (f64, f64),
     },
     /// The skew.
@@ -173,7 +173,7 @@ impl Structure {
         signs
     }
 
-    /// Number of values that the data had to settle, the skew apart.
+    /// Number of values fitted to the data, not counting the skew.
     pub(crate) fn freedom(&self) -> usize {
         let searched = |(effect, columns): (&Effect, &usize)| match effect.kind().hypothesis {
             Some(_) => effect.free_searches(*columns).count() - end_stop::absent_sides(effect),
@@ -257,7 +257,7 @@ impl Structure {
         }
     }
 
-    /// Indices of the effects that rub.
+    /// Indices of the friction effects.
     pub(crate) fn frictions(&self) -> Vec<usize> {
         self.indices(|part| matches!(part, Part::Friction(_) | Part::FrictionTable(_)))
     }
@@ -267,7 +267,7 @@ impl Structure {
         self.indices(|part| matches!(part, Part::CoulombFactor(_) | Part::FrictionFactor(_)))
     }
 
-    /// Indices of the effects whose friction is over the load.
+    /// Indices of the effects that are friction in proportion to the load.
     pub(crate) fn load_frictions(&self) -> Vec<usize> {
         self.indices(|part| matches!(part, Part::LoadFriction(_)))
     }

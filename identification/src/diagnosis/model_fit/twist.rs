@@ -28,8 +28,8 @@ const TWISTS: usize = 2;
 /// Log-likelihood that the best start of a shaft must promise, nats.
 const PROMISES: f64 = 1.0;
 
-/// The best values for a shaft and all else, found without simulation, since the measured torque tells its twist; `None` if a stiff one
-/// explains as much.
+/// The best values of a shaft and of everything else, found without simulation, since the measured torque gives the twist; `None`
+/// if a stiff shaft explains about as much.
 pub(crate) fn fitted(effects: &[Effect], base: &Structure, train: &Capture) -> Option<Structure> {
     let mut stiff = base.clone();
     let starts: Vec<(f64, Effect)> =
@@ -40,7 +40,7 @@ pub(crate) fn fitted(effects: &[Effect], base: &Structure, train: &Capture) -> O
     }
     for _ in 0..TWISTS {
         best = best_shaft(best, &stiff, train)?;
-        // What moves behind a shaft of these values no longer looks like what moves with the cap.
+        // Behind a shaft of these values the motion is not the cap's, so everything else is fitted again.
         let capture = behind(&shaft(&best)?, &stiff, train);
         stiff = unequal::settled(stiff, &capture).structure;
     }
@@ -78,14 +78,15 @@ pub(crate) fn is_overdamped(structure: &Structure) -> bool {
     })
 }
 
-/// Sum of squares of what a structure leaves behind a shaft, mNm².
+/// Sum of squares of the residual that a structure leaves behind a shaft, mNm²; `None` if `effect` is no shaft.
 fn squares(effect: &Effect, base: &Structure, train: &Capture) -> Option<f64> {
     let shaft = shaft(effect)?;
     let capture = behind(&shaft, base, train);
     Some(Separable::new(base.clone(), &capture).squares())
 }
 
-/// The values of a shaft with which a structure leaves least, found by going along one after the other in ever smaller steps.
+/// The shaft with which a structure leaves the smallest residual, found by changing one value after the other in ever smaller
+/// steps.
 fn best_shaft(mut best: Effect, base: &Structure, train: &Capture) -> Option<Effect> {
     let mut least = squares(&best, base, train)?;
     let scene = train.scene_of(base);
@@ -176,7 +177,7 @@ fn response(shaft: &Coupling, inertia: f64, capture: &Capture) -> Response {
     })
 }
 
-/// What a shaft makes of torque and noise at a frequency.
+/// Response of a shaft to torque and noise at a frequency.
 struct Passed {
     /// Torque at the sensor over torque on the inner inertia.
     torque: Complex<f64>,

@@ -1,4 +1,4 @@
-//! What the training capture leaves open of a base model, and the held-out capture would count as a gap.
+//! Combinations of a base model's coefficients that the training capture leaves open and that would look like a gap in the other.
 //!
 //! A capture at constant speed tells next to nothing of the inertia. On another motion the base model is then wrong by more than noise, though
 //! nothing is missing, and whatever effect moves the prediction seems to explain it. With training columns X and held-out columns Y, a
@@ -28,7 +28,7 @@ pub(crate) struct Undetermined {
 }
 
 impl Undetermined {
-    /// Of a structure without coupling; `None` if the training capture determines it well enough for the other one.
+    /// The open combinations of a structure; `None` if it is coupled, or determined well enough for the held-out capture.
     pub(crate) fn of(structure: &Structure, train: &Capture, heldout: &Capture) -> Option<Self> {
         if structure.is_coupled() {
             return None;
@@ -79,7 +79,7 @@ impl Undetermined {
         vector::orthonormal(&self.combinations.iter().map(torque).collect::<Vec<_>>())
     }
 
-    /// What a reader should know of them.
+    /// A note on the open combinations for the reader.
     pub(crate) fn note(&self) -> String {
         let mut names = self.names.clone();
         names.dedup();
@@ -96,7 +96,7 @@ fn columns(structure: &Structure, capture: &Capture) -> Vec<Vec<f64>> {
     (0..structure.effects.len()).flat_map(|index| capture.rows_of(structure, index)).collect()
 }
 
-/// Name of the parameter that a column's coefficient is, or of its effect.
+/// Name of the parameter that is a column's coefficient, or else of the column's effect.
 fn name(structure: &Structure, column: usize) -> &'static str {
     let ranges = structure.ranges();
     let index = ranges.iter().position(|range| range.contains(&column)).unwrap_or(0);

@@ -1,4 +1,4 @@
-//! Detents of which each has its own place and height, fitted in the place of equal ones.
+//! Detents with a place and a height each, fitted in the place of equal ones.
 //!
 //! From one angle at which the detents' torque vanishes to the next it is half a sine. A detent is two of them, equally wide
 //! and high, either from one rest to the next or from one wall to the next; or each half sine has its own width and height. The heights are linear, the places
@@ -23,7 +23,7 @@ const STEPS: usize = 12;
 const ROUNDS: usize = 10;
 /// Share of the sum of squares below which a step's gain is the last.
 const SETTLED: f64 = 1e-4;
-/// What holds a unit that the capture hardly shows at the others' mean height and at its place, as a share of the mean
+/// Ridge that holds a unit that the capture hardly shows at the mean height and at its place, as a share of the mean
 /// unit's square.
 const HELD: f64 = 1e-3;
 
@@ -63,7 +63,7 @@ pub(crate) fn settled(structure: Structure, capture: &Capture) -> Separable<'_> 
     fit
 }
 
-/// The same with a height and a place of each lobe's own, so that peaks and troughs differ.
+/// The structure fitted with a height and a place for each lobe, so that peaks and troughs differ; `None` without such detents.
 pub(crate) fn asymmetric(structure: &Structure, capture: &Capture) -> Option<Structure> {
     fitted_anew(structure, capture, Lobes::each_by_itself)
 }
@@ -76,7 +76,7 @@ fn fitted_anew(structure: &Structure, capture: &Capture, start: impl Fn(Lobes) -
     Some(fitted.without(fitted.effects.len() - 1).with_at(index, effect, columns))
 }
 
-/// The structure with lobes in the place of the detents at an index, fitted from where they are, and the sum of squares that it leaves.
+/// The structure with `lobes` in place of the detents at an index, fitted from their present places, and the sum of squares left.
 fn fitted(mut lobes: Lobes, structure: &Structure, index: usize, capture: &Capture) -> Option<(Structure, f64)> {
     let range = structure.ranges()[index].clone();
     let whole = Separable::new(structure.clone(), capture);
@@ -115,7 +115,7 @@ fn fitted(mut lobes: Lobes, structure: &Structure, index: usize, capture: &Captu
     Some((whole.structure.without(index).with(lobes.effect()?, 1), squares))
 }
 
-/// The detents of a fitted structure one by one, with their intervals: those that the capture shows whole.
+/// The detents of a fitted structure that the capture shows whole, one by one with their intervals.
 pub(crate) fn detents(effect: &str, structure: &Structure, capture: &Capture) -> Vec<UnequalDetent> {
     let index = structure
         .position(effects::unequal_detents::KIND.name)
@@ -126,7 +126,7 @@ pub(crate) fn detents(effect: &str, structure: &Structure, capture: &Capture) ->
     let rest = Separable::new(structure.without(index), capture);
     let of_lobes = columns_of(&lobes, capture, |_| 0.0);
     let columns: Vec<&[f64]> = of_lobes.iter().map(Vec::as_slice).chain(rest.columns()).collect();
-    // What is left is the same whichever columns say it: the structure is at its best.
+    // The structure is at its optimum, so its residual is that of these columns too.
     let left = Separable::new(structure.clone(), capture).residual;
     let solved = LeastSquares::solve(&columns, &left);
     let covariance = solved.robust(&columns);
@@ -159,7 +159,8 @@ pub(crate) fn detents(effect: &str, structure: &Structure, capture: &Capture) ->
     each.collect()
 }
 
-/// The rest's columns and those of the lobes, zeros held at their place and heights at their mean where the capture does not show them.
+/// Solves for the rest's columns and those of the lobes; where the capture does not show a unit, its zeros are held at their
+/// place and its height at the mean.
 fn solved(lobes: &Lobes, columns: &[Vec<f64>], rest: &[&[f64]], target: &[f64], nonnegative: &[bool]) -> LeastSquares {
     let count = lobes.units();
     let mean_mnm = mean(&lobes.heights_mnm);

@@ -1,4 +1,4 @@
-//! Whether an effect more is worth its name.
+//! Whether one more effect is worth its name.
 
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::search::judged::Judged;
@@ -9,7 +9,7 @@ pub(crate) const EVIDENCE: f64 = 10.0;
 const STEADY: f64 = 3.0;
 /// Share of the mean square above the floor that an effect must take away to be worth a name …
 pub(crate) const WORTHWHILE: f64 = 0.28;
-/// … and in mean squares of the floor: smaller ones could be what the floor's own estimate is wrong by.
+/// … and the least amount, in mean squares of the floor: a smaller one could be an error of the floor's own estimate.
 const SMALLEST: f64 = 0.06;
 /// Probability of chance up to which held-out stretches speak for an effect whose residual is more than noise.
 const CHANCE: f64 = 0.05;
@@ -25,20 +25,20 @@ pub(crate) const LEFT: f64 = 1.3;
 pub(crate) const TIE: f64 = 3.0;
 /// Share of the gap's amplitude up to which nothing more is looked for.
 pub(crate) const UNEXPLAINED: f64 = 0.06;
-/// Share of it that a complete explanation may leave, since a contact is never quite as its model has it, and up to which a coupling is not
-/// tried.
+/// Share of the gap's amplitude that a complete explanation may leave, since no model describes a contact exactly; up to this
+/// share, no coupling is tried.
 pub(crate) const MOSTLY_EXPLAINED: f64 = 0.15;
-/// Share of the mean square above the floor beyond which nothing is left for another effect.
+/// An effect that takes away more than this share of the mean square above the floor leaves nothing for another effect.
 const NEARLY_ALL: f64 = 0.9;
 /// How far the floor may lie below its estimate, as a share of it.
 pub(crate) const LOWER_FLOOR: f64 = 0.8;
 
-/// Whether an effect more explains enough, surely enough; `first` is the model without further effects.
+/// Whether one more effect explains enough, and with enough certainty; `first` is the model without further effects.
 pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldout: &Capture) -> bool {
     let floor = after.heldout_floor_mnm;
     let [_, closed] = gap_and_closed(before, after);
     let is_steady = after.steadily_better_than(before) > STEADY;
-    // An end stop may act in a few stretches only; then what was never fitted must speak for it.
+    // An end stop may act in a few stretches only; then the held-out capture, which was never fitted, must speak for it.
     let unseen = heldout.weight * (before.heldout_rms_mnm / after.heldout_rms_mnm).ln();
     // A few stretches prove nothing if a simulated body can stick, since anything may decide whether it breaks away at one moment. Nor do
     // they if much of the residual is not noise, since the likelihood takes all of it for noise.
@@ -59,7 +59,7 @@ pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldou
         && closed > UNEXPLAINED * UNEXPLAINED * first.excess_above_lower_floor(after)
 }
 
-/// Whether what a model leaves may be noise alone, as well as the floor is known.
+/// Whether a model's residual may be noise alone, given how well the floor is known.
 pub(crate) fn is_near_the_floor(judged: &Judged) -> bool {
     judged.most_over_floor() < OPEN
 }
@@ -70,7 +70,7 @@ pub(crate) fn gap_and_closed(before: &Judged, after: &Judged) -> [f64; 2] {
     [gap, gap - after.excess()]
 }
 
-/// Whether an effect more explains as much as one that is worth a name, though perhaps not surely.
+/// Whether one more effect explains as much as an effect worth a name must, though perhaps by chance.
 pub(crate) fn explains_enough(before: &Judged, after: &Judged) -> bool {
     closes(WORTHWHILE, before, after) && predicts_better(before, after)
 }
@@ -79,13 +79,13 @@ fn predicts_better(before: &Judged, after: &Judged) -> bool {
     after.heldout_rms_mnm < before.heldout_rms_mnm
 }
 
-/// Whether an effect more brings evidence and takes away more than a share of the mean square above the floor.
+/// Whether one more effect brings evidence and takes away more than a share of the mean square above the floor.
 fn closes(share: f64, before: &Judged, after: &Judged) -> bool {
     let [gap, closed] = gap_and_closed(before, after);
     after.evidence - before.evidence > EVIDENCE && closed > share * gap
 }
 
-/// Whether an effect more leaves next to nothing for any other, even where it stands on a bound and is not added.
+/// Whether one more effect leaves next to nothing for any other, even if it stands on a bound and is not added.
 pub(crate) fn explains_nearly_all(before: &Judged, after: &Judged) -> bool {
     closes(NEARLY_ALL, before, after)
 }
@@ -96,7 +96,7 @@ pub(crate) fn explains_surely(before: &Judged, after: &Judged) -> bool {
 }
 
 /// Whether so little of the first model's gap is left that no further effect could be worth a name, even if the floor
-/// were lower than it is thought to be.
+/// were lower than estimated.
 pub(crate) fn explains_the_gap(judged: &Judged, first: &Judged) -> bool {
     leaves_at_most(UNEXPLAINED, judged, first)
 }
@@ -112,14 +112,14 @@ fn leaves_at_most(share: f64, judged: &Judged, first: &Judged) -> bool {
     gap > 0.0 && judged.excess_above(lower) < share * share * gap
 }
 
-/// Share of the mean square above the floor that an effect must take away to be added where much is left that has no name: a
-/// real machine has more effects than a catalogue, and one of them is seldom most of the gap.
+/// Share of the mean square above the floor that an effect must take away to be added where much remains without a name: a
+/// real machine has more effects than a catalogue, and a single one seldom makes up most of the gap.
 const DISCOVERED: f64 = 0.04;
 /// Share of false discoveries that is accepted among the effects added so: far below one in twenty, since neighbouring
 /// stretches of a real machine's residual are not independent, and four times in a row something may be added.
 pub(crate) const FALSE_DISCOVERIES: f64 = 1e-3;
 
-/// Whether an effect more takes away its part of both captures' gaps.
+/// Whether one more effect takes away its part of both captures' gaps.
 pub(crate) fn takes_its_part(before: &Judged, after: &Judged) -> bool {
     let [train, heldout] = before.floors_mnm();
     let takes = |before: f64, after: f64, floor: f64| {

@@ -1,5 +1,5 @@
-//! What has no name is measured: the rest as a spline over one coordinate, where that predicts stretches of another
-//! capture that it was not made from.
+//! Measures torques without a name: a spline of the residual over one coordinate, kept if it predicts stretches of another
+//! capture, to which it was not fitted.
 
 use std::f64::consts::TAU;
 
@@ -22,8 +22,8 @@ use crate::uncertainty::statistics::{NORMAL_95, false_discovery_rate, interval};
 const POINTS: [u16; 4] = [8, 16, 32, 64];
 /// Most characteristics of one model.
 const MOST: usize = 2;
-/// What holds a point that the capture hardly shows near zero, as a share of the mean point's square: where the named effects
-/// can do the same, they do it.
+/// Ridge that holds a point near zero if the capture hardly shows it, as a share of the mean point's square; a torque that the
+/// named effects can explain too goes to these.
 const HELD: f64 = 1e-3;
 /// Rounds in which a bend and the detents on it are fitted in turn.
 const BEND_ROUNDS: usize = 3;
@@ -50,7 +50,7 @@ fn all_splines(capture: &Capture) -> Vec<Spline> {
     splines.flatten().collect()
 }
 
-/// Name of what a spline lies over, as locations call it.
+/// Name of the coordinate that a spline lies over, as in [`Location`](crate::diagnosis::Location).
 fn coordinate(spline: &Spline) -> &'static str {
     match (spline.of.over, spline.period_rad) {
         (Coordinate::Velocity, _) => "velocity",
@@ -66,7 +66,7 @@ fn rows(spline: &Spline, capture: &Capture) -> Vec<Vec<f64>> {
 }
 
 impl Search<'_> {
-    /// Adds what has no name to the model, characteristic after characteristic, as long as one predicts the held-out capture.
+    /// Adds torques without a name to the model, one characteristic after the other, while they predict the held-out capture.
     pub(crate) fn measure_the_rest(&self, found: &mut Found) {
         while found.characteristics.len() < MOST {
             let current = found.last().clone();
@@ -86,7 +86,7 @@ impl Search<'_> {
         let range = [scene.lowest_rad, scene.highest_rad];
         let spline = Spline::new(&effects::angle_characteristic::KIND, range, finest, None)?;
         let mut best = current.clone();
-        // Without the bend the detents stood elsewhere.
+        // The detents shift once the bend is fitted, so the two are fitted in turn.
         for _ in 0..BEND_ROUNDS {
             let straight = match best.structure.position(spline.kind.name) {
                 Some(index) => best.structure.without(index),
@@ -142,14 +142,14 @@ impl Search<'_> {
     }
 }
 
-/// The torques of a spline's points beside all that a fit has already, mNm.
+/// The torques of a spline's points, fitted beside the columns that a fit already has, mNm.
 fn torques_mnm(spline: &Spline, present: &Separable<'_>, capture: &Capture) -> Vec<f64> {
     let points = rows(spline, capture);
     let target = capture.target(present.structure.delay_s());
     present.coefficients_beside(&points, &target, &holds(present.columns().len(), &points, |_| HELD))
 }
 
-/// The points of a fitted spline with their intervals, the other effects being as they are.
+/// The points of a fitted spline with their intervals, the other effects held fixed.
 fn points(spline: &Spline, judged: &Judged, rows: &[Vec<f64>]) -> Vec<CharacteristicPoint> {
     let solved = LeastSquares::solve(rows, &judged.train_residual);
     let covariance = solved.robust_of_points(rows, 0);

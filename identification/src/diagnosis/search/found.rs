@@ -1,4 +1,4 @@
-//! What a search has found so far.
+//! The state of a search: what it has found so far.
 
 use dynamics::EffectKind;
 use rayon::prelude::*;
@@ -15,9 +15,9 @@ pub(crate) struct Found {
     pub(crate) base: Judged,
     /// The effects that were added, one after the other.
     pub(crate) steps: Vec<Added>,
-    /// What explained part of the rest and was not added.
+    /// Effects that explain part of the rest and were not added.
     pub(crate) partial: Vec<Partial>,
-    /// What has no name and was added as measured.
+    /// Measured torques without a name that were added.
     pub(crate) characteristics: Vec<(Judged, Characteristic)>,
 }
 
@@ -29,7 +29,7 @@ pub(crate) struct Added {
     pub(crate) judged: Judged,
     /// The other effects that were tried with it.
     pub(crate) rivals: Vec<Judged>,
-    /// Share of false discoveries, by what each predicts of the held-out capture, among all that were tried.
+    /// Share of false discoveries among all effects tried, from how well each predicts the held-out capture.
     pub(crate) false_discovery_rate: f64,
     /// Whether it was added as a part of the gap only: then something is left that has no name.
     pub(crate) is_part: bool,
@@ -45,7 +45,7 @@ impl Added {
     }
 }
 
-/// Share of false discoveries among an effect that was chosen beside a model and its rivals.
+/// Share of false discoveries among a chosen effect and its rivals, all tried beside the model `before`.
 fn rate(chosen: &Judged, rivals: &[Judged], before: &Judged) -> f64 {
     let p_value = chosen.heldout_p_value(before);
     let all: Vec<f64> = rivals.iter().map(|rival| rival.heldout_p_value(before)).chain([p_value]).collect();
@@ -60,12 +60,12 @@ impl From<Judged> for Found {
 }
 
 impl Found {
-    /// The same before the effect of a step was added.
+    /// The state before the effect of a step was added.
     pub(crate) fn before(&self, step: usize) -> Self {
         Self { steps: self.steps[..step].to_vec(), ..Self::from(self.base.clone()) }
     }
 
-    /// The same judged by another held-out capture.
+    /// The same models judged by another held-out capture.
     pub(crate) fn judged_by(&self, train: &Capture, heldout: &Capture) -> Self {
         let anew = |judged: &Judged| judged.judged_by(train, heldout);
         let mut found = self.clone();

@@ -1,4 +1,4 @@
-//! How well a fitted structure explains the capture that it was fitted to and another one.
+//! How well a fitted structure explains the capture to which it was fitted, and another one.
 
 use dynamics::Effect;
 
@@ -56,7 +56,7 @@ impl Judged {
             - heldout.weight * heldout_rms_mnm.max(f64::MIN_POSITIVE).ln();
         let inertia = structure.inertia();
         Self {
-            // Where a servo pushes against a knob that sticks, rests are louder than the sensors; noise is everywhere.
+            // A servo pushing against a stuck knob makes rests louder than the sensors, but true noise is in every stretch.
             train_floor_mnm: train.floor_of_mnm(&structure).min(QUIET * train.quiet_rms_mnm(&train_residual, inertia)),
             heldout_floor_mnm: heldout
                 .floor_of_mnm(&structure)
@@ -70,13 +70,13 @@ impl Judged {
         }
     }
 
-    /// The same judged by another held-out capture.
+    /// The same structure judged by another held-out capture.
     pub(crate) fn judged_by(&self, train: &Capture, heldout: &Capture) -> Self {
         Self::of(self.structure.clone(), self.train_residual.clone(), train, heldout)
     }
 
-    /// Evidence of the same effects with values fitted to both captures, by Gauss–Newton steps from those of the training capture, which may
-    /// leave open what the other one shows. A structure with coupled bodies is taken as it is.
+    /// Evidence of the same effects with values fitted to both captures, by Gauss–Newton steps from the values of the training
+    /// capture, which may leave open values that the other capture shows. A structure with coupled bodies is taken as it is.
     pub(crate) fn evidence_fitted_to_both(&self, train: &Capture, heldout: &Capture) -> f64 {
         if self.structure.is_coupled() {
             return self.evidence;
@@ -104,7 +104,7 @@ impl Judged {
             of_train.iter().zip(&of_heldout).map(|(train, heldout)| joined(train, heldout)).collect();
         let target = joined(&self.train_residual, &self.heldout_residual);
         let collinear = LeastSquares::solve(&columns, &target).collinear;
-        // Counted from its lower bound, a value stays above it.
+        // Each step is counted from the value's lower bound, where a nonnegative coefficient keeps the value in range.
         let lowest: Vec<Option<f64>> = fit
             .lowest_steps()
             .into_iter()
@@ -126,17 +126,17 @@ impl Judged {
         Self { evidence: self.evidence + cost(&self.structure) - cost(&structure), structure, ..self }
     }
 
-    /// Name of the effect that the structure has more than the one before.
+    /// Name of the structure's newest effect, the last one; empty without effects.
     pub(crate) fn newest(&self) -> &'static str {
         self.structure.effects.last().map_or("", |effect| effect.kind().name)
     }
 
-    /// Whether that effect is fitted to each capture.
+    /// Whether the newest effect is fitted to each capture anew.
     pub(crate) fn newest_is_per_capture(&self) -> bool {
         self.structure.effects.last().is_some_and(is_per_capture)
     }
 
-    /// The same with an effect of that name as the last; `None` if it has none.
+    /// The same judgement with the effect of that name moved to the end; `None` if there is none.
     pub(crate) fn with_newest(mut self, name: &str) -> Option<Self> {
         let index = self.structure.position(name)?;
         let (effect, columns) = (self.structure.effects[index], self.structure.columns[index]);
@@ -161,19 +161,19 @@ impl Judged {
         self.train_rms_mnm / self.train_floor_mnm
     }
 
-    /// Share of what this leaves of the training capture above the floor that another structure explains.
+    /// Share of this structure's training residual above the floor that another structure explains.
     pub(crate) fn explained_by(&self, other: &Self) -> f64 {
         let square = |rms_mnm: f64| rms_mnm * rms_mnm;
         (square(self.train_rms_mnm) - square(other.train_rms_mnm))
             / (square(self.train_rms_mnm) - square(self.train_floor_mnm))
     }
 
-    /// The larger of both, in floors.
+    /// The larger RMS left of the two captures, in floors.
     pub(crate) fn most_over_floor(&self) -> f64 {
         self.train_over_floor().max(self.heldout_over_floor())
     }
 
-    /// Mean square above the floor, of both captures together, mNm².
+    /// Mean square above the floor, averaged over both captures, mNm².
     pub(crate) fn excess(&self) -> f64 {
         self.excess_above(self.floors_mnm())
     }
@@ -195,8 +195,8 @@ impl Judged {
         [self.train_floor_mnm, self.heldout_floor_mnm]
     }
 
-    /// Probability that an effect of nothing predicts the held-out capture, stretch after stretch, as much better than
-    /// `other` as this one does; one where the two differ in too few stretches to say.
+    /// Probability that chance alone makes this structure predict the held-out capture, stretch after stretch, as much better
+    /// than `other` as it does; one where the two differ in too few stretches to say.
     pub(crate) fn heldout_p_value(&self, other: &Self) -> f64 {
         p_value(&other.heldout_residual, &self.heldout_residual)
     }
@@ -215,8 +215,8 @@ fn cost(structure: &Structure, train: &Capture, heldout: &Capture) -> f64 {
     0.5 * structure.freedom() as f64 * (train.weight + heldout.weight).ln()
 }
 
-/// Probability that chance alone makes `after` as much smaller than `before` as it is, stretch after stretch; 1 if the two differ in
-/// too few stretches.
+/// Probability that chance alone makes `after` as much smaller than `before` as observed, stretch after stretch; 1 if they differ
+/// in too few stretches.
 pub(crate) fn p_value(before: &[f64], after: &[f64]) -> f64 {
     let gains = where_differing(stretches(before, after));
     gains.map_or(1.0, |gains| student_above(mean_over_error(&gains), (gains.len() - 1) as f64))

@@ -69,12 +69,12 @@ impl<'a> Search<'a> {
             None => {
                 let options = FitOptions {
                     calibration: self.options.calibration.clone(),
-                    // What is pressed has no detents, but a curve.
+                    // A pressed control has a curve instead of detents.
                     characteristic: !self.options.axis.is_rotary(),
                     ..FitOptions::default()
                 };
                 match fit_without_notes(samples, &options) {
-                    // A map's fit has a detent for each sinusoid; here the others are what may be missing.
+                    // A map's fit has a detent for each sinusoid: all but the first are left for the search to find.
                     Ok(fit) if self.train.is_map => fit.effects().iter().take(3).copied().collect(),
                     Ok(fit) => fit.effects().to_vec(),
                     // Too slow or too coarse to look for detents; in a narrow band the rest can still be told.
@@ -85,7 +85,7 @@ impl<'a> Search<'a> {
                 }
             }
         };
-        // What a resting knob bears shows in an inner body only: the cap's rests are left out.
+        // Stick can be fitted to an inner body only: the cap's own rests are masked.
         let coupled = effects.iter().any(|effect| matches!(effect.kind().part, Part::Coupling(_)));
         let fitted: Vec<Effect> =
             effects.into_iter().filter(|effect| coupled || !matches!(effect.kind().part, Part::Stick(_))).collect();
@@ -97,7 +97,7 @@ impl<'a> Search<'a> {
         Ok(if simulated.evidence > base.evidence { simulated } else { base })
     }
 
-    /// A structure fitted from where it stands.
+    /// The structure fitted from its present values.
     pub(crate) fn settled(&self, structure: Structure) -> Judged {
         if !structure.is_coupled() {
             return Judged::separable(&unequal::settled(structure, self.train), self.heldout);
@@ -136,7 +136,8 @@ impl<'a> Search<'a> {
         found
     }
 
-    /// What else explains the captures, if it does so better: something found from another first effect, or without unequal detents.
+    /// Returns a better explanation if there is one: found from another first effect, without unequal detents, or with peaks and
+    /// troughs that differ; otherwise `found`.
     pub(crate) fn reconsidered(&self, mut found: Found) -> Found {
         if let Some(other) = self.begun_again(&found) {
             found = other;
@@ -174,8 +175,8 @@ impl<'a> Search<'a> {
         if has_delay && other.named().evidence > found.named().evidence - EVIDENCE { other } else { found }
     }
 
-    /// What is found from another first effect, where the best one led to a model that leaves much: it may have imitated two others. `None` if that
-    /// is no better.
+    /// The result of a search from another first effect, where the best first effect led to a model that leaves much: it may have
+    /// imitated two others. `None` if no such result is better.
     fn begun_again(&self, found: &Found) -> Option<Found> {
         let (base, last) = (&found.base, found.named());
         let is_open = last.most_over_floor() > LEFT;
@@ -248,13 +249,13 @@ impl<'a> Search<'a> {
         false
     }
 
-    /// What was tried beside a model, that with the most evidence first.
+    /// The models tried beside `current`, the one with the most evidence first.
     pub(crate) fn ranked(&self, current: &Judged, mut tried: Vec<Judged>) -> Vec<Judged> {
         tried.retain(Judged::is_finite);
         tried.retain(|judged| !self.repeats_with_the_detents(judged));
         tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
         if !current.structure.is_simulated() {
-            // Beside an effect more all others have other values.
+            // One more effect changes the best values of all others.
             let is_new = |judged: &Judged| judged.structure.is_coupled() == current.structure.is_coupled();
             let promising = tried.iter_mut().filter(|judged| is_new(judged)).take(PROMISING);
             promising.par_bridge().for_each(|judged| *judged = self.settled(judged.structure.clone()));
@@ -263,7 +264,7 @@ impl<'a> Search<'a> {
         tried
     }
 
-    /// Whether the last effect explains enough of what a model without it leaves, and is something.
+    /// Whether the last effect explains enough of what a model without it leaves, and differs from zero.
     pub(crate) fn is_worth_a_name(&self, before: &Judged, after: &Judged, found: &Found) -> bool {
         self.disqualified(after).is_none()
             && worthwhile(before, after, &found.base, self.heldout)
@@ -271,8 +272,8 @@ impl<'a> Search<'a> {
             && self.is_better_than_other_values(before, after)
     }
 
-    /// Whether an effect more explains both captures better than the effects before would with other values: the training capture may leave
-    /// these open. Of coupled bodies it is not asked, which are not fitted to both.
+    /// Whether one more effect explains both captures better than the earlier effects would with other values, which the training
+    /// capture may leave open. True for coupled bodies, which are not fitted to both captures.
     fn is_better_than_other_values(&self, before: &Judged, after: &Judged) -> bool {
         if after.structure.is_coupled() {
             return true;
@@ -281,8 +282,8 @@ impl<'a> Search<'a> {
         after > before + EVIDENCE
     }
 
-    /// The effect that predicts the held-out capture best among those that are a part of a gap too large for any of them
-    /// alone: each better than what is there, than a null test and, stretch after stretch, than chance.
+    /// The effect that predicts the held-out capture best among those that each explain a part of a gap too large for any of them
+    /// alone, and predict it better than the current model, than a null test and, stretch after stretch, than chance.
     fn discovery(&self, current: &Judged, tried: &[Judged]) -> Option<usize> {
         let explains_it_alone = |judged: &Judged| explains_nearly_all(current, judged);
         if current.heldout_over_floor().min(current.train_over_floor()) < LEFT || tried.iter().any(explains_it_alone) {

@@ -1,4 +1,4 @@
-//! What mere freedom buys: an effect's own columns, but at the wrong time.
+//! The gain from mere freedom: an effect's own columns, but at the wrong time.
 
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::nonlinear::Nonlinear;

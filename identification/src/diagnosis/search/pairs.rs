@@ -10,7 +10,7 @@ use crate::diagnosis::search::hypotheses::coupled::{self, Effort};
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::{MOST_EFFECTS, Search};
 
-/// Effects, the best ones, with which second ones are tried.
+/// Number of the best effects beside which a second one is tried.
 const HIDING: usize = 3;
 
 impl Search<'_> {

@@ -1,4 +1,4 @@
-//! Effects that were added are looked at again beside those that came after them.
+//! Reconsiders effects beside those that were added after them.
 
 use dynamics::effects::{self, cogging};
 use dynamics::{Effect, EffectKind};
@@ -17,7 +17,7 @@ static CONTAINS: [(&EffectKind, &EffectKind); 1] = [(&effects::return_spring::KI
 const RIVALS: f64 = 0.1;
 
 impl Search<'_> {
-    /// Puts what an effect contains in its place where that fits or predicts no worse.
+    /// Replaces an effect by the simpler one that it contains where that one fits or predicts no worse.
     pub(crate) fn simplify(&self, found: &mut Found) {
         for (larger, contained) in CONTAINS {
             let Some(step) = found.step_of(larger.name) else { continue };
@@ -31,7 +31,7 @@ impl Search<'_> {
             let is_as_good =
                 with_larger.evidence - simple.evidence < TIE || simple.heldout_rms_mnm <= with_larger.heldout_rms_mnm;
             if is_as_good && self.is_worth_a_name(&without, &simple, found) {
-                // Others were tried beside fewer effects.
+                // The rivals of an earlier effect were tried beside fewer effects.
                 let is_newest = step + 1 == found.steps.len();
                 let Added { rivals, is_part, .. } = self.remove(found, step, without);
                 let rivals = if is_newest { rivals } else { Vec::new() }.into_iter().chain([with_larger]);
@@ -54,7 +54,7 @@ impl Search<'_> {
                 self.remove(found, step, without);
                 return true;
             }
-            // What takes off much less than the effect itself needs no refining.
+            // A replacement that explains much less than the effect itself need not be refined.
             let share = without.explained_by(&last);
             let search = Search { promising: RIVALS * share, ..*self };
             let tried = search.try_replacements(&without);

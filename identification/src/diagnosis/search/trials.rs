@@ -25,7 +25,7 @@ use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::workflow::Progress;
 use crate::numerics::vector::dot;
 
-/// Detents of the torque, mNm, periods per turn and phase, rad, of a line of cogging.
+/// Detents with the amplitude (mNm), periods per turn and phase (rad) of a line of cogging.
 pub(crate) fn detent_of([amplitude_mnm, per_turn, phase_rad]: [f64; 3]) -> Effect {
     Effect::new(&effects::detent::KIND, &[amplitude_mnm, 1.0 / per_turn, phase_rad])
 }
@@ -40,7 +40,7 @@ fn has_a_gap(effect: &Effect) -> bool {
 }
 
 impl Search<'_> {
-    /// The best fit with each effect of the catalogue more.
+    /// The best fit with each effect of the catalogue added.
     pub(crate) fn try_all(&self, current: &Judged, found: &Found) -> Vec<Judged> {
         let mut tried = self.try_values(current);
         if !current.structure.is_coupled() && !self.detents_are_equal {
@@ -90,7 +90,7 @@ impl Search<'_> {
         let bare = Judged::separable(&Separable::new(bare, &train), &heldout);
         let tried = tried(&Search { train: &train, heldout: &heldout, ..*self }, &bare).into_iter();
         let on_shaft = |judged: Judged| {
-            // What was tried is the last, also where it took the place of the detents.
+            // The effect that was tried is the last one, even if it replaced the detents.
             let last = judged.structure.effects.len() - 1;
             let structure = judged.structure.with_at(index.min(last), shaft, 0);
             judged.with_structure(structure, self.train, self.heldout)
@@ -121,7 +121,7 @@ impl Search<'_> {
 
     /// Tries couplings, which cost most, where nothing else explains what is left.
     fn try_couplings(&self, current: &Judged, found: &Found, tried: &mut Vec<Judged>) {
-        // So close to the floor, its own uncertainty exceeds what backlash leaves: there couplings are tried whatever else may explain it.
+        // So close to the floor, its uncertainty exceeds what backlash leaves: couplings are tried whatever else may explain it.
         let is_faint = is_near_the_floor(current);
         let is_closed = |judged: &Judged| judged.most_over_floor() <= CLOSED;
         let qualifies = |judged: &Judged| self.disqualified(judged).is_none();
@@ -157,7 +157,7 @@ impl Search<'_> {
         }
         let best = tried.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
         if best.is_some_and(|best| best.structure.is_coupled() && explains_enough(current, best)) {
-            // It explains most, but not all: it may have been fitted in a neighbouring valley, or be another coupling.
+            // The coupling explains most, but not all: its fit may be in a neighbouring valley, or another coupling be right.
             tried.retain(|judged| !judged.structure.effects.last().is_some_and(has_a_gap));
             let backlash = self.couplings(current).into_iter().filter(|kind| !twist::is_shaft(kind));
             tried.extend(backlash.filter_map(|kind| self.coupled(kind, current, Effort::Thorough)));
@@ -172,7 +172,7 @@ impl Search<'_> {
         couplings
     }
 
-    /// Whether a shaft that was tried has more evidence than a gap, or hardly less where the gap may be none.
+    /// Whether a shaft that was tried has more evidence than a gap, or hardly less if the gap may be zero.
     fn is_rather_a_shaft(&self, gap: &Judged, tried: &[Judged]) -> bool {
         let is_shaft =
             |judged: &&Judged| judged.structure.effects.last().is_some_and(|last| twist::is_shaft(last.kind()));
@@ -204,7 +204,7 @@ impl Search<'_> {
         coupled::fitted(kind, &current.structure, [self.train, self.heldout], effort)
     }
 
-    /// Why the last effect cannot be the one, if so.
+    /// The reason why the last effect cannot be the missing one; `None` if it can be.
     pub(crate) fn disqualified(&self, judged: &Judged) -> Option<String> {
         if twist::is_overdamped(&judged.structure) {
             return Some("its damping exceeds the critical one, so that it does not resonate".to_owned());
@@ -233,11 +233,11 @@ impl Search<'_> {
             .filter(|(index, parameter)| effect.kind().regressors.is_some() && is_strength(*index, parameter.unit))
             .map(|(_, parameter)| parameter)
             .collect();
-        // A damper beside a spring is part of a contact, which there is none without stiffness.
+        // A damper beside a spring is part of a contact, and without stiffness there is no contact.
         let stiffnesses: Vec<&ParameterKind> =
             linear.iter().copied().filter(|parameter| parameter.unit == "mNm/rad").collect();
         let linear = if stiffnesses.is_empty() { linear } else { stiffnesses };
-        // What has no torque of its own is told by its first parameter: a gap, a stiffness, a delay.
+        // An effect without a torque of its own is absent if its first parameter (a gap, a stiffness, a delay) is zero.
         if linear.is_empty() { parameters.first().is_some_and(holds_zero) } else { linear.into_iter().all(holds_zero) }
     }
 
@@ -253,7 +253,7 @@ impl Search<'_> {
         cogging::lines(effect.values()).next().map(detent_of)
     }
 
-    /// Whether the last effect is cogging of which every line is a multiple of the detents': that is the detents' own shape.
+    /// Whether the last effect is cogging with every line a multiple of the detents' frequency: that is the detents' own shape.
     pub(crate) fn repeats_with_the_detents(&self, judged: &Judged) -> bool {
         let Some(effect) = judged.structure.effects.last() else { return false };
         let scene = self.train.scene_of(&judged.structure);
@@ -267,8 +267,8 @@ impl Search<'_> {
             && self.unequal_detents(base).is_some_and(|unequal| base.explained_by(&unequal) > 0.5)
     }
 
-    /// The fit with unequal detents in the place of equal ones; `None` where they explain nothing, or a torque that varies slowly along the
-    /// angle as much.
+    /// The fit with unequal detents in the place of equal ones; `None` where they explain nothing, or no more than a torque that
+    /// bends slowly along the angle.
     fn unequal_detents(&self, current: &Judged) -> Option<Judged> {
         let evidence = |squares: f64, freedom: usize| {
             let weight = self.train.weight;

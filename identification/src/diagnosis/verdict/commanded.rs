@@ -1,4 +1,4 @@
-//! Motion predicted from the torque commanded from the rig's motor: what the torque sensor reads takes no part in it.
+//! Motion predicted from the torque commanded from the rig's motor, without the torque sensor's readings.
 
 use dynamics::simulate::{RigMotor, forward_windows_from_command};
 use dynamics::{Calibration, Model, Motion};
@@ -33,7 +33,7 @@ impl CommandedTorque<'_> {
     }
 }
 
-/// Errors of the held-out motion predicted from the command, with each model of `chain`; else why there are none.
+/// Errors of the held-out motion predicted from the command with each model of `chain`; the error says why there are none.
 pub(crate) fn forward(
     chain: &[Model],
     [train, heldout]: [&Capture; 2],
@@ -82,7 +82,8 @@ fn on_grid(t_s: &[f64], commanded_mnm: &[f64], capture: &Capture) -> Vec<f64> {
     each.collect()
 }
 
-/// The motor's friction by least squares: what of the command neither turns the motor nor reaches the torque sensor.
+/// The motor's friction, fitted by least squares to the part of the command that neither accelerates the motor nor reaches the
+/// torque sensor.
 fn motor(inertia: f64, capture: &Capture, commands_mnm: &[f64]) -> Option<RigMotor> {
     let torque_mnm = capture.torque_mnm(0.0);
     let motions = capture.motions();

@@ -12,7 +12,7 @@ const AMPLITUDES: [f64; 4] = [1.0, 0.3, 0.1, 0.02];
 const DURATION_S: f64 = 8.0;
 const RATE_HZ: f64 = 2000.0;
 
-/// Evidence that a capture must promise to be worth making, nats: what is smaller a small misfit of either rival decides.
+/// Evidence that a capture must promise to be worth making, nats: a small misfit of either rival outweighs less evidence.
 const WORTH_NATS: f64 = 10.0;
 
 /// The excitation on which two fitted structures differ most, as far as the knob may be turned; none if they differ too

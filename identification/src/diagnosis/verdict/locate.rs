@@ -28,16 +28,16 @@ const FALSE_DISCOVERIES: f64 = 0.05;
 /// How much of the gap a coordinate explains, and its shape.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Location {
-    /// What the residual is mapped over.
+    /// The coordinate over which the residual is mapped.
     pub coordinate: &'static str,
     /// Its unit.
     pub unit: &'static str,
     /// Share of the residual's mean square that the map predicts in stretches that it was not made from, %.
     pub explained_percent: f64,
-    /// Probability that a map of nothing would predict as much.
+    /// Probability that a residual that does not depend on the coordinate would be predicted as well.
     #[serde(deserialize_with = "crate::diagnosis::findings::number_or_nan")]
     pub p_value: f64,
-    /// Whether it stands with at most one false discovery in twenty (Benjamini and Hochberg 1995).
+    /// Whether the coordinate is named with at most one false discovery in twenty (Benjamini and Hochberg 1995).
     pub significant: bool,
     /// The map: middle of a bin, and mean residual there, mNm.
     pub map: Vec<[f64; 2]>,
@@ -133,7 +133,7 @@ fn spectrum(residual: &[f64], rows: &[(dynamics::Motion, f64)], capture: &Captur
     let total: f64 = lines.iter().map(|[_, power]| power).sum::<f64>().max(f64::MIN_POSITIVE);
     let mut strongest = (0.0, 0);
     for (index, [_, power]) in lines.iter().enumerate() {
-        // The louder side: noise that falls with the frequency would stand out of what is above it.
+        // The louder side counts: noise that falls with frequency would stand out from the lines above it.
         let sides = [index.saturating_sub(NEIGHBOURS)..index, index + 1..(index + NEIGHBOURS + 1).min(lines.len())];
         if sides.iter().any(|side| side.len() < FEWEST_NEIGHBOURS) {
             continue;

@@ -33,7 +33,7 @@ const INSEPARABLE: f64 = 0.98;
 /// Time over which motion is predicted from torque before it is started anew, s.
 pub const FORWARD_WINDOW_S: f64 = 0.1;
 
-/// What to do about a rest without a name that goes with a coordinate.
+/// Advice on a residual without a name, by the coordinate on which it depends, if any.
 fn next_step(coordinate: Option<&str>) -> &'static str {
     match coordinate {
         Some("angle" | "angle-within-turn" | "detent-phase") => {
@@ -69,8 +69,8 @@ fn note_on_time_and_speed(train: &Capture) -> Option<String> {
     })
 }
 
-/// Why the effects added may not be all: more is left than the sensors' noise; or so much less that the noise is not known; or the first model
-/// left little more than noise.
+/// The reason why the effects added may not be all: the residual exceeds the sensors' noise, or lies so far below it that the
+/// noise is not known, or the first model left little more than noise. `None` without such a reason.
 fn note_on_the_rest(first: &Judged, last: &Judged) -> Option<String> {
     let [(quieter, least), (louder, most)] = {
         let mut captures = [("training", last.train_over_floor()), ("held-out", last.heldout_over_floor())];
@@ -98,7 +98,7 @@ fn note_on_the_rest(first: &Judged, last: &Judged) -> Option<String> {
 }
 
 impl Search<'_> {
-    /// The effects that were added with a value that may lie beyond what the capture shows, and why: each may be another effect.
+    /// The effects that were added but are disqualified, and why: each may stand for another effect.
     fn on_bounds(&self, found: &Found) -> Vec<(&'static str, String)> {
         found.steps.iter().filter_map(|added| Some((added.effect, self.disqualified(&added.judged)?))).collect()
     }
@@ -106,13 +106,13 @@ impl Search<'_> {
     /// Whether something is missing, and whether all of it has a name.
     pub(crate) fn verdict(&self, found: &Found) -> Verdict {
         let (first, last) = (&found.base, found.named());
-        // If nothing was found, one unexplained capture is enough to say that something is left. If something was found, both must
-        // be unexplained, since either may contain what the other was too short to teach.
+        // If nothing was found, one unexplained capture is enough to say that something is left. If something was found, both
+        // must be unexplained, since either may contain something that the other was too short to show.
         let each = [last.heldout_over_floor(), last.train_over_floor()];
         let left = if found.steps.is_empty() { each[0].max(each[1]) } else { each[0].min(each[1]) };
         let unexplained = (last.excess().max(0.0) / first.excess_above_lower_floor(last).max(f64::MIN_POSITIVE)).sqrt();
         let locations = locate(&last.train_residual, &last.structure, self.train);
-        // Noise may be larger in motion than the sensors' own, but then it goes with nothing.
+        // In motion, noise may exceed that of the sensors, but it then depends on no coordinate.
         let shaped = locations.iter().any(|location| location.significant);
         let is_left = unexplained > MOSTLY_EXPLAINED
             && (left > LEFT && (shaped || left > CERTAINLY_LEFT) || last.heldout_over_floor() > MOSTLY_NOISE);
@@ -306,7 +306,7 @@ impl Search<'_> {
         }
     }
 
-    /// The effects that were added, by the torque that each makes in the final model.
+    /// The effects that were added, in order of the torque that each contributes to the final model.
     fn strongest_first(&self, structure: &Structure, steps: &[Step]) -> Vec<&'static str> {
         let with = structure.model().readings_mnm(self.train.motions());
         let mut sizes: Vec<(f64, &'static str)> = steps

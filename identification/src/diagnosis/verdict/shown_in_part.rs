@@ -1,5 +1,5 @@
-//! Effects of which the training capture shows only a beginning or a part: how much they do there is known, and neither how far they go nor
-//! where they turn.
+//! Effects of which the training capture shows only a beginning or a part: their size there is known, but neither how far they
+//! go nor where they turn.
 
 use std::collections::BTreeMap;
 

@@ -36,7 +36,7 @@ pub(crate) fn share_out(values: &[f64], angles: &[f64], offset_rad: f64, bin_rad
     });
 }
 
-/// What a block of values gives to four bins each.
+/// The shares that each value of a block adds to four bins.
 #[derive(Clone, Copy)]
 struct Shares {
     first: [u32; BLOCK],

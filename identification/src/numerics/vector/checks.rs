@@ -1,4 +1,4 @@
-//! Smallest and largest values, and what must hold for all.
+//! Smallest and largest values, and conditions on all values.
 
 use super::LANES;
 

@@ -14,7 +14,7 @@ use crate::supervision::{Archived, RunEnd};
 use crate::until_ci::{StopRule, open, share_words};
 use crate::{fit, load};
 
-/// Names that are tried for what is made of a capture.
+/// Number of names tried for the results of a capture.
 const NAMES_TRIED: u32 = 1_000;
 
 /// Tells how the run went, fits the archive and writes model and report beside it: where they cannot be written, the run
@@ -63,7 +63,7 @@ fn keep(loaded: &LoadedCapture, fitted: &Fit) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What a run that goes on until enough is known came to, and how long it took of the planned sweep.
+/// Whether a run that was to end once enough is known reached that, and how much of the planned sweep it saved.
 fn end_of_sweep(achieved: &StopRule, planned_s: f64) -> String {
     let share = achieved.asked;
     let Some(ended_s) = achieved.ended_s else {
@@ -76,7 +76,7 @@ fn end_of_sweep(achieved: &StopRule, planned_s: f64) -> String {
     format!("known within {share} after {ended_s:.2} s of {planned_s} s planned: {saved_s:.2} s saved, {percent:.0} %")
 }
 
-/// Holds the fit of the archive against what the sweep was ended for.
+/// Compares the fit of the archive with the share for which the sweep was to end.
 fn tell_precision(achieved: &StopRule, fitted: &Fit, torque_step_mnm: f64) {
     let Some(known) = achieved.verify(fitted, torque_step_mnm) else { return };
     let share = achieved.asked;

@@ -26,7 +26,7 @@ impl FromStr for Budget {
 }
 
 impl Budget {
-    /// Whether one more capture of `duration_s` is within it after `captures` that took `turned_s` in all.
+    /// Whether the budget permits one more capture of `duration_s` after `captures` captures that took `turned_s` in all.
     pub fn permits(self, captures: usize, turned_s: f64, duration_s: f64) -> bool {
         match self {
             Self::Captures(most) => captures < most,
@@ -61,7 +61,8 @@ pub(super) enum Next {
     Settled,
     /// Rivals are left, and the budget is spent.
     BudgetSpent,
-    /// Rivals are left that no experiment within reach tells apart, or that the best one, already made, did not.
+    /// Rivals are left that no experiment within reach can distinguish, or that the best experiment, already made, did not
+    /// distinguish.
     Undecidable,
 }
 

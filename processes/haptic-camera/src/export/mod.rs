@@ -87,7 +87,7 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The columns that `fit` reads, with what it must know of the rig beside them: it then finds the same.
+/// Writes the columns that `fit` reads and, beside the table, the calibration, so that a fit of the table gives the same result.
 fn capture_as_csv(source: &Path, options: &ExportOptions) -> anyhow::Result<String> {
     let loaded = load::load_chosen(source, &options.columns)?;
     let calibration = loaded.write_csv(&options.out)?;
@@ -106,10 +106,10 @@ fn capture_as_parquet(source: &Path, options: &ExportOptions) -> anyhow::Result<
     Ok(format!("{} samples, {columns} columns with their units", loaded.capture.len()))
 }
 
-/// Attachments of an archive that go along as metadata.
+/// Attachments of an archive that are copied into the metadata.
 const TAKEN_ALONG: [&str; 4] = [attachment::RUN, attachment::CALIBRATION, attachment::EXCITATION, attachment::MODEL];
 
-/// The Parquet file's bytes and the number of its columns: one group of rows, every value there.
+/// The bytes of the Parquet file and the number of its columns: one row group, without missing values.
 ///
 /// Measured numbers hardly repeat, so dictionaries would only add to them.
 fn as_parquet(loaded: &LoadedCapture) -> Result<(Vec<u8>, usize), ParquetError> {

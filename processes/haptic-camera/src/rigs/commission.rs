@@ -1,8 +1,8 @@
 //! `rig commission`: a rig turned for the first time, with so little torque that a wrong sign or scale does no harm.
 //!
-//! Torques are commanded and no angle is followed, so that nothing can run away. They rise until the knob surely moves; then the
-//! angle tells, fitted against the torque that was commanded, what the motor drives, and against the torque that was measured, what
-//! lies behind the sensor. Signs, inertia and the encoder's step follow, and go into the rig's file.
+//! The runs command torques and follow no angle, so that nothing can run away. The torque rises until the knob surely moves. A
+//! fit of the angle to the commanded torque then gives the inertia that the motor drives, and a fit to the measured torque the
+//! inertia behind the sensor. Signs, inertia and the encoder's step follow; the results go into the rig's file.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -47,7 +47,7 @@ impl RigCommissionOptions {
         self.out.as_ref().unwrap_or(&self.rig.file)
     }
 
-    /// What they may replace: the rig's own file; elsewhere nothing may lie there.
+    /// What the results may replace: the rig's own file; at any other path, nothing.
     pub fn replaced(&self) -> Replace {
         if is_same(self.written(), &self.rig.file) { Replace::Anything } else { Replace::Nothing }
     }
@@ -61,9 +61,9 @@ const MOST_SHARE: f64 = 1.0 / 3.0;
 const RISE: f64 = 1.5;
 /// Length of a try, s.
 const TRY_S: f64 = 4.0;
-/// Travel from which on the angle tells something, rad, or a fingertip's way at that angle: beyond what a knob yields within its stick.
+/// Least travel from which an inertia is fitted, rad, or a fingertip's way at that angle: beyond what a sticking knob yields.
 const ENOUGH_RAD: f64 = 0.05;
-/// Tries that are held against each other.
+/// Number of tries that are compared with each other.
 const COMPARED: usize = 2;
 /// Sweeps of the torque: a slow one, which moves the knob far with little torque, and a faster one for rigs that the slow one moves too far.
 const SLOW: &str = "multisine";
@@ -133,7 +133,7 @@ fn fault_of(error: &anyhow::Error) -> Option<Fault> {
     error.downcast_ref::<EndedInFault>().and_then(|ended| ended.fault)
 }
 
-/// What an encoder's scale that is too large looks like.
+/// Adds to a fault of angle, speed or jump the remark that the angle's scale may be too large.
 fn with_doubt_of_scale(error: anyhow::Error, axis: Axis) -> anyhow::Error {
     if !matches!(fault_of(&error), Some(Fault::Angle | Fault::Speed | Fault::Jump)) {
         return error;
@@ -196,7 +196,7 @@ impl Found {
         }
     }
 
-    /// The motor's own inertia: what it drives but for what lies behind the sensor.
+    /// The motor's own inertia: the inertia that it drives less the inertia behind the sensor.
     fn motor(&self) -> Inertia {
         let Inertia { value, low, high } = self.driven;
         let Some(Some(behind)) = self.behind else { return self.driven };
@@ -206,12 +206,13 @@ impl Found {
     }
 }
 
-/// Tells what the tries have in common, and writes it into the rig's file: the motor's inertia where a sensor parts it from the knob's.
+/// Reports the results of all tries and writes them into the rig's file, the motor's inertia only if a sensor separates it from
+/// the knob's.
 fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     let axis = file.axis;
     let say = |text: String| say(axis.words(&text));
     let Some(last) = tries.last() else { anyhow::bail!("no try moved the knob") };
-    // The last value, with an interval that holds those of all.
+    // The last value, with an interval that contains the intervals of all tries.
     let of_all = |inertia: fn(&Found) -> Inertia| {
         let widest =
             |all: Inertia, one: Inertia| Inertia { low: all.low.min(one.low), high: all.high.max(one.high), ..all };
@@ -267,7 +268,8 @@ fn find(loaded: &LoadedCapture) -> Option<Found> {
     })
 }
 
-/// The inertia that a torque drives, by the fit of the capture's angle to it; a fit tells none that is below zero.
+/// The inertia that a torque drives, from a fit of the capture's angle to it. A fit gives no negative inertia, so a second one
+/// with the torque reversed follows where the first fails.
 fn inertia(loaded: &LoadedCapture, torque_mnm: &[f64]) -> Option<Inertia> {
     let fit = |torque_mnm: &[f64]| {
         let samples = Samples { torque_mnm, velocity_rad_s: None, acceleration_rad_s2: None, ..loaded.samples() };
@@ -307,7 +309,7 @@ fn with(text: &str, axis: Axis, known: Known) -> anyhow::Result<String> {
     for (key, number) in known.into_iter().filter_map(|(key, number)| Some((axis.words(key), rounded(number?)))) {
         let key = key.as_ref();
         match table.get_mut(key).and_then(Item::as_value_mut) {
-            // What a maker says of an encoder is exacter than what was seen.
+            // A maker's figure for an encoder is more exact than the step that was seen.
             Some(before) if before.as_float().is_some_and(|before| (before / number - 1.0).abs() < SAME_SHARE) => {}
             Some(before) => {
                 let comment = before.decor().clone();
@@ -320,7 +322,7 @@ fn with(text: &str, axis: Axis, known: Known) -> anyhow::Result<String> {
     Ok(document.to_string())
 }
 
-/// Share by which a number of the file may differ from what was found and stay.
+/// Relative difference from the result below which a number of the file is kept.
 const SAME_SHARE: f64 = 1e-3;
 
 #[cfg(test)]

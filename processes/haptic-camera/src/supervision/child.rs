@@ -42,7 +42,7 @@ pub(crate) fn program_path(name: &str) -> anyhow::Result<PathBuf> {
 pub(crate) struct Child {
     process: std::process::Child,
     started: Instant,
-    /// When it last said something, CLOCK_MONOTONIC, ns, and how long it had waited for a processor until then.
+    /// Time of its last report, CLOCK_MONOTONIC, ns, and the total time that it had waited for a processor by then.
     heard: (u64, Duration),
     /// Since when it was seen to be stopped.
     pub(super) stopped: Option<Instant>,
@@ -66,8 +66,8 @@ impl Child {
         }
     }
 
-    /// Silence since it was started or heard. The time for which its main thread waited for a processor does not count: a
-    /// restart would make it later still.
+    /// Time since it was started or last heard, without the time for which its main thread waited for a processor: a restart
+    /// would only delay it further.
     pub(super) fn silence(&self) -> Duration {
         let (at_ns, waited) = self.heard;
         let waited = rig::processor_wait(self.id()).saturating_sub(waited);
@@ -110,12 +110,12 @@ impl Child {
         }
     }
 
-    /// Ends its lease: it ends in order.
+    /// Ends its lease, so that it ends in order.
     pub(crate) fn let_go(&mut self) {
         drop(self.process.stdin.take());
     }
 
-    /// Lets it go, and after `patience` makes it end.
+    /// Ends its lease, and kills it if it has not ended within `patience`.
     pub(crate) fn end(&mut self, patience: Duration) {
         self.let_go();
         if !self.wait(patience) {

@@ -17,25 +17,25 @@ use crate::until_ci::Share;
 
 /// Least time between two starts of a process. It doubles with each short life and each start that fails …
 const RESTART_PAUSE: Duration = Duration::from_millis(100);
-/// … up to this, so that one which can be started again is back while what it missed still lies in the stream's history of
-/// eight seconds.
+/// … up to this, so that a process which can be started again is back while the samples that it missed still lie in the stream's
+/// history of eight seconds.
 const LONGEST_PAUSE: Duration = Duration::from_secs(2);
 /// A process that lived for less than this died of something that a restart may not mend.
 const SHORT_LIFE: Duration = Duration::from_secs(1);
 /// Failures in a row after which the operator is warned.
 const REPORTED_FAILURES: u32 = 5;
-/// Silence of a consumer, which reports twice a second, after which it counts as hung. What it missed until it is back must
-/// still lie in the stream's history.
+/// Silence of a consumer, which reports twice a second, after which it counts as hung. The samples that it misses until it is
+/// back must still lie in the stream's history.
 const HUNG: Duration = Duration::from_millis(2_500);
 /// A consumer may take so long until its first report.
 const FIRST_WORD: Duration = Duration::from_secs(10);
 /// Silence after which a report is overdue, and the kernel is asked what the process does.
 const OVERDUE: Duration = Duration::from_millis(500);
-/// How long a consumer may be stopped (SIGSTOP) from then on: another is to be at work within a second of the stop.
+/// How long a consumer may be stopped (SIGSTOP) after that silence: another must be at work within a second of the stop.
 const STOPPED: Duration = Duration::from_millis(100);
-/// After the run a recorder that cannot be started, or dies at once, is tried for so long.
+/// After the run, time for which starts are retried of a recorder that cannot be started or dies at once.
 const RECORDER_BACK: Duration = Duration::from_secs(10);
-/// Most bytes of their words to print at a time.
+/// Most bytes of the consumers' output to print at a time.
 const MOST_BYTES: usize = 1 << 16;
 
 pub(crate) struct Consumers {
@@ -54,7 +54,7 @@ struct Consumer {
     child: Option<Child>,
     starts: u32,
     tried: Instant,
-    /// Short lives and starts that failed, in a row.
+    /// Consecutive short lives and failed starts.
     failures: u32,
 }
 
@@ -66,7 +66,7 @@ impl Consumers {
         until: Option<Share>,
         loop_core: u32,
     ) -> anyhow::Result<Self> {
-        // With a panel. Without such a file they disturb it, which is no reason not to run.
+        // Used only with a panel. Without such a file the consumers' output disturbs the panel, which is no reason not to run.
         let words = Words { file: terminal::size().and_then(|_| tempfile::tempfile().ok()), printed: 0 };
         let consumer = |(kind, argument): (ProcessKind, Option<String>)| Consumer {
             kind,
@@ -146,7 +146,7 @@ impl Consumer {
         command.args(&self.arguments).arg(format!("--restarts={}", self.starts));
         words.take_from(&mut command);
         if self.starts > 0 {
-            // What it had to say at its start has been said.
+            // What it prints at its start has been printed.
             command.stdout(Stdio::null());
         }
         self.child = Some(Child::start(&mut command)?);
@@ -169,7 +169,7 @@ impl Consumer {
         self.child.as_mut().is_none_or(Child::is_over)
     }
 
-    /// Whether the process that does its work, or did it last, has lived for longer than one that fails at once.
+    /// Whether its current or last process is older than [`SHORT_LIFE`].
     fn has_lived(&self) -> bool {
         self.child.as_ref().is_some_and(|child| child.age() >= SHORT_LIFE)
     }
@@ -232,8 +232,8 @@ impl Consumer {
     }
 }
 
-/// A file without a name that the consumers print to. Unlike a pipe it never fills, and never fails whoever writes to it
-/// after this process is gone.
+/// An unnamed file that the consumers print to. Unlike a pipe it never fills up, and writing to it does not fail after this
+/// process is gone.
 struct Words {
     file: Option<File>,
     printed: u64,

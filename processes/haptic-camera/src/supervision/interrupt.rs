@@ -32,7 +32,7 @@ impl Interrupt {
         self.noted.load(Ordering::Acquire)
     }
 
-    /// Does what must end in order once its flag is set.
+    /// Calls `run`, which must end in order once its flag is set.
     pub(crate) fn noted_during<T>(&self, run: impl FnOnce(&AtomicBool) -> T) -> T {
         self.at_rest.store(false, Ordering::Release);
         let end = run(&self.noted);

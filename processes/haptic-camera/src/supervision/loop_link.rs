@@ -29,9 +29,9 @@ pub(crate) struct LoopLink {
     loop_process: u32,
     pub(super) status: LoopStatus,
     fit: Option<FitUpdate>,
-    /// What the consumers last said of themselves.
+    /// The last health report of each consumer.
     pub(super) health: Vec<ProcessHealth>,
-    /// Longest time without a word of the recorder that has ended.
+    /// Longest silence of the recorder between two of its reports.
     pub(super) longest_absence: Duration,
     pub(super) run: RunDescription,
     /// The models that began to be felt so far.
@@ -103,12 +103,12 @@ impl LoopLink {
         self.fit.as_ref().filter(|fit| fit.run_id == self.status.run_id)
     }
 
-    /// What a consumer last said of itself; `None` when it never has.
+    /// The last health report of a consumer; `None` if it has sent none.
     pub(crate) fn health_of(&self, kind: ProcessKind) -> Option<&ProcessHealth> {
         self.health.iter().find(|health| health.process == kind.code())
     }
 
-    /// How long nothing has come from a recorder that has reported before.
+    /// Time since the recorder's last report; zero before its first.
     pub(crate) fn absence_of_recorder(&self) -> Duration {
         let last_ns = self.health_of(ProcessKind::Recorder).map(|health| health.monotonic_time_ns);
         last_ns.map_or(Duration::ZERO, |last_ns| Duration::from_nanos(rig::monotonic_time_ns().saturating_sub(last_ns)))

@@ -44,7 +44,7 @@ const RECORDER_DONE: Duration = Duration::from_secs(120);
 const LOOP_HUNG: Duration = Duration::from_secs(10);
 /// Longest wait for the loop to take the torque down and end.
 const LOOP_ENDS: Duration = Duration::from_secs(3);
-/// Exit statuses with which the loop has said itself why it cannot run: an error, and wrong usage.
+/// Exit statuses after which the loop itself has printed why it cannot run: an error, and wrong usage.
 const SAID_WHY: [i32; 2] = [1, 2];
 /// Age from which on a control loop holds its rig …
 const HOLDS_RIG: Duration = Duration::from_millis(100);
@@ -282,7 +282,7 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
                 _ => {}
             }
         } else if control_loop.age() > HOLDS_RIG {
-            // Only once the loop holds the rig are its services its own.
+            // The services belong to this loop only once it holds the rig.
             match LoopLink::open(control_loop.id()) {
                 // The loop may be making them just now.
                 Err(error) if control_loop.age() > SERVICES_THERE => return Err(error),

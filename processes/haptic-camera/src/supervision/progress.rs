@@ -26,7 +26,7 @@ const PANEL_INTERVAL: Duration = Duration::from_millis(200);
 /// Lines of the panel: the bar, the table's head, eight parameters, and what follows.
 const FIT_LINES: u16 = 14;
 
-/// Silence of the recorder, which reports twice a second, after which it cannot be said that nothing is lost.
+/// Silence of the recorder, which reports twice a second, after which lost samples can no longer be ruled out.
 const RECORDER_AWAY: Duration = Duration::from_millis(1_500);
 /// How long the stream keeps what a recorder missed.
 const STREAM_HISTORY: Duration = Duration::from_secs(8);
@@ -135,7 +135,7 @@ fn time_line(link: &LoopLink) -> String {
     format!("{:5.1} s, {}", link.elapsed_s(), losses(link))
 }
 
-/// How many parameters are known well enough, or the one that an end of the sweep waits for most.
+/// How many parameters are known well enough or, where the sweep ends by a share, the least known one.
 fn known_words(parameters: &[LiveParameter], until: Option<Share>) -> String {
     match (until, open(parameters).first()) {
         (Some(share), None) => format!("all within {share}"),
@@ -147,7 +147,7 @@ fn known_words(parameters: &[LiveParameter], until: Option<Share>) -> String {
     }
 }
 
-/// Digits that a load in N takes more than one in mNm.
+/// Number of digits that a load in N takes beyond those of one in mNm.
 fn finer(axis: Axis) -> usize {
     if axis.is_rotary() { 0 } else { 2 }
 }

@@ -39,7 +39,7 @@ pub(super) fn fault_words(run: &RunDescription, status: &LoopStatus) -> Option<S
     Some(format!("the rig '{}': {reason}", run.apparatus))
 }
 
-/// A run on which further work was to rest ended in a fault.
+/// A run that further work depended on ended in a fault.
 #[derive(Debug, thiserror::Error)]
 #[error("{run}: ended in a fault: {words}")]
 pub(crate) struct EndedInFault {
@@ -64,7 +64,7 @@ impl RunEnd {
         } else if self.interrupted {
             say(format!("stopped by the operator after {taken} samples"));
         }
-        // Of a loop that died, the last status is older than its last sample.
+        // The last status of a loop that died is older than its last sample.
         let at_least = if self.loop_failed { "at least " } else { "" };
         say(format!(
             "samples  {at_least}{taken} taken, {} ticks missed in {} stalls, longest lateness {:.3} ms",
@@ -77,8 +77,8 @@ impl RunEnd {
         }
     }
 
-    /// Where the recorder closed the archive: in its place, or in the temporary directory when that place failed it.
-    /// Tells what to do where it did not.
+    /// Path of the closed archive: `archive`, or a file in the temporary directory if the recorder could not write there. `None`
+    /// if the recorder closed none, after a remark on what to do.
     pub(crate) fn left_archive(&self, archive: &Path) -> Option<PathBuf> {
         let elsewhere = fallback_dir(self.status.run_id).join(archive.file_name().unwrap_or_default());
         let is_of_this_run = |path: &&Path| archive::run_id(path).is_ok_and(|run| run == Some(self.status.run_id));
@@ -93,12 +93,13 @@ impl RunEnd {
         None
     }
 
-    /// How the command that made the run ended where the recorder could not close the archive.
+    /// The outcome of the command that made the run if the recorder could not close the archive.
     pub(crate) fn outcome_without_archive(&self) -> Outcome {
         if self.recorder_exit == Some(3) { self.outcome(true) } else { Outcome::Failed }
     }
 
-    /// Tells how the rig kept up, and what was lost of the run, planned, taken or archived; how the command that made it ended.
+    /// Tells how the rig kept up and which planned, taken or archived samples were lost; gives the outcome of the command that
+    /// made the run.
     pub(crate) fn settle(&self, archived: &Archived) -> Outcome {
         let account = archived.rig.in_words(&self.run, self.status.device_code.cast_signed());
         account.iter().for_each(|line| say(format!("rig      {line}")));

@@ -1,4 +1,4 @@
-//! The rows that are there before the table is, a line each: what a killed call leaves and the next one goes on from. At the
+//! The rows of a table that is not yet complete, one a line: what a killed call leaves and the next one continues from. At the
 //! end they become the table, an Apache Parquet file.
 
 use std::collections::{HashMap, HashSet};
@@ -23,10 +23,10 @@ use super::CaptureFile;
 use crate::outcome::remark;
 use crate::parquet_file::{begin, software, write_column};
 
-/// Rows that are written at once: what memory holds of a table of any length.
+/// Rows that are written at once, which bounds the memory for a table of any length.
 const ROWS_AT_ONCE: usize = 4096;
 
-/// How a journal begins: nothing else is written over.
+/// How a journal begins: a file that begins otherwise is not overwritten.
 const MARK: &str = "rows of a table of captures, by the specification ";
 
 /// Place of the column `error` in a row.
@@ -47,8 +47,8 @@ pub(super) struct Journal<'spec> {
 type Line = (CaptureFile, Vec<Option<String>>);
 
 impl<'spec> Journal<'spec> {
-    /// The journal of a table, with the files whose rows it has; a line that was cut off is written again, and so is everything
-    /// that was made by another specification, which the first line names.
+    /// Opens the journal of a table, with the files whose rows it has. A line that was cut off is dropped, and so are all rows
+    /// made by another specification, which the first line names: they are made again.
     pub(super) fn open(
         table: &Path,
         specification: Option<&'spec Specification>,

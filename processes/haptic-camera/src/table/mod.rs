@@ -1,7 +1,7 @@
 //! `table`: one row a capture of whole folders, fitted on all cores.
 //!
-//! Each core holds one capture at a time; rows go into a journal beside the table as they are made, so that a call which is
-//! killed goes on where it was when it is made again. The journal becomes the table, sorted by file.
+//! Each core holds one capture at a time. Rows go into a journal beside the table as they are made, so that a killed command
+//! continues where it was when it is run again. The journal becomes the table, sorted by file.
 
 mod journal;
 
@@ -88,7 +88,7 @@ fn add_rows(
     })
 }
 
-/// A capture's file as it was listed; one that was changed since is another.
+/// A capture's file as it was listed; one that has changed since counts as another file.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 struct CaptureFile {
     path: PathBuf,
@@ -102,7 +102,7 @@ fn add(folder: &Path, files: &mut Vec<CaptureFile>) -> anyhow::Result<()> {
     for entry in std::fs::read_dir(folder).with_context(unreadable)? {
         let entry = entry.with_context(unreadable)?;
         let path = entry.path();
-        // A link may lead back to where it lies.
+        // A link may lead back to a folder that contains it, so links to folders are not followed.
         if entry.file_type().with_context(unreadable)?.is_dir() {
             add(&path, files)?;
         } else if path.extension().is_some_and(|ending| ["mcap", "csv", "mf4"].iter().any(|known| ending == *known)) {

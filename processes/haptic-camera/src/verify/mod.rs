@@ -74,7 +74,7 @@ fn page(model: &Model, fit: &Fit, rendering: &Rendering) -> String {
     report::rendering_page(&RenderingPage { intended: model, fit, rendering: Rendering { notes, ..rendering.clone() } })
 }
 
-/// Captures the rendered knob through all that it is compared by.
+/// Makes every capture of the rendered knob that the comparison takes.
 ///
 /// `capture` makes a capture: its name, the hand, the largest angle of the hand's sweep in rad, its length in s.
 fn captures(

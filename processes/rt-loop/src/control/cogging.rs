@@ -10,12 +10,12 @@ use dynamics::{Calibration, CoggingHarmonic};
 #[derive(Clone, Debug)]
 pub struct CoggingCompensation {
     harmonics: Box<[CoggingHarmonic]>,
-    /// Time from a reading to the middle of what its command does, s.
+    /// Time from a reading to the middle of the interval in which its command acts, s.
     lead_s: f64,
 }
 
 impl CoggingCompensation {
-    /// What the calibration tells of the motor, at a sample rate; nothing where it does not.
+    /// The compensation of the cogging in a calibration, at a sample rate; no torque where the calibration has none.
     #[must_use]
     pub fn new(calibration: &Calibration, rate_hz: f64) -> Self {
         Self {

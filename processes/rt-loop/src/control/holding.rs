@@ -1,4 +1,5 @@
-//! Whether the servo holds a knob at a rate: the loop without friction, steps or noise, carried on to see whether it calms.
+//! Whether the servo holds a knob at a rate: the loop is simulated without friction, steps or noise to see whether its swings die
+//! away.
 
 use dynamics::{Calibration, Setpoint};
 use hal::Measurement;
@@ -16,7 +17,8 @@ const START_RAD: f64 = 1e-6;
 const STRETCH_S: f64 = 0.5;
 /// Number of stretches. The last two are compared: by then all swings but the slowest to decay have died away.
 const STRETCHES: usize = 4;
-/// Inertia of a knob that sticks, and of the heaviest that the gains are for, mNm·s²/rad: to the shaft both are a wall.
+/// Inertia that stands for a sticking knob, and for the heaviest knob that the gains are for, mNm·s²/rad: to the shaft both are a
+/// wall.
 const HEAVIEST: f64 = 2.0;
 /// Steps in which a slowest rate is looked for, Hz.
 const RATE_STEP_HZ: f64 = 100.0;
@@ -33,7 +35,7 @@ pub struct Holding<'a> {
 }
 
 impl Holding<'_> {
-    /// Whether every swing dies away at this rate, of the knob as it turns and, unless the gripper is bare, as it sticks.
+    /// Whether every swing dies away at this rate, while the knob turns and, unless the gripper is bare, while it sticks.
     #[must_use]
     pub fn is_stable(&self, rate_hz: f64) -> bool {
         let heaviest = HEAVIEST / self.calibration.axis.fingertip_travel().powi(2);
@@ -67,7 +69,7 @@ impl Holding<'_> {
                 *largest_rad = largest_rad.max(shaft.rotor_rad.abs());
             }
         }
-        // A swing that overflows is no number, and smaller than none.
+        // A swing that overflows becomes NaN, which `max` ignores: the last angle is therefore checked too.
         let [.., before_rad, last_rad] = largest_rad;
         last_rad < before_rad && shaft.rotor_rad.is_finite()
     }

@@ -27,7 +27,7 @@ impl<const SECTIONS: usize> ButterworthLowPass<SECTIONS> {
         Some(Self { sections })
     }
 
-    /// Forgets what it was given.
+    /// Resets the filter, as if it had had no input.
     pub(super) fn forget(&mut self) {
         self.sections.iter_mut().for_each(biquad::Biquad::reset_state);
     }

@@ -76,7 +76,7 @@ const REFERENCE_INERTIA: f64 = 0.0199;
 /// Most that the phase may fall behind at the frequency where the loop's gain passes one, rad: what the default gains have at
 /// 5 kHz, where they hold each of the paper's knobs.
 const LARGEST_PHASE_LAG: f64 = 0.7;
-/// Time by which a torque is late at the mean beside what is known of the rig, in ticks: half a tick of holding and half of
+/// Mean delay of a torque in addition to the known delays of the rig, in ticks: half a tick of holding, half a tick of
 /// differentiating the angle, and half a tick of computing.
 const LATE_TICKS: f64 = 1.5;
 
@@ -120,9 +120,8 @@ impl ServoGains {
 
     /// Gains for a rig with nothing on its gripper.
     ///
-    /// The spring of the proportional gain and the rig's own inertia make an oscillator; it gets the damping that it
-    /// needs and no more, since differentiated encoder steps are what shakes gripper and rotor. The load torque that
-    /// would be fed forward is none.
+    /// The spring of the proportional gain and the rig's own inertia form an oscillator. It gets no more damping than it needs,
+    /// since differentiated encoder steps shake gripper and rotor. No load torque is fed forward, since there is no load.
     #[must_use]
     pub fn for_free_gripper(self, calibration: &Calibration) -> Self {
         let gains = self;
@@ -145,8 +144,9 @@ fn slower(crossover_rad_s: f64, delay_s: f64) -> f64 {
 
 /// Time constant of the low-pass on the speed that keeps a step of the encoder from shaking the rig; zero where none is needed.
 ///
-/// A step s in a tick is a speed of s·rate for that tick; behind a low-pass of time constant τ it is s/τ at most. With the crossover
-/// ω, which comes down as τ grows, it accelerates the rig by ω·s/τ. That falls with τ: the least that is enough is found by halving.
+/// A step s in a tick is a speed of s·rate for that tick; behind a low-pass of time constant τ it is s/τ at most. With the
+/// crossover ω, which comes down as τ grows, it accelerates the rig by ω·s/τ. That acceleration falls with τ; bisection finds the
+/// least τ that is enough.
 fn speed_lag_s(angle_step_rad: f64, crossover_rad_s: f64, delay_s: f64, rate_hz: f64) -> f64 {
     let makes_rad_s2 = |lag_s: f64| {
         slower(crossover_rad_s, delay_s + lag_s) * crossover_rad_s * angle_step_rad / lag_s.max(rate_hz.recip())

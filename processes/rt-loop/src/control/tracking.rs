@@ -80,7 +80,7 @@ impl Tracked {
         self.stale_ticks
     }
 
-    /// Why there were none, by the rig's own code.
+    /// The rig's own code for why there are no new data.
     pub(super) fn stale_code(&self) -> i32 {
         self.stale_code
     }
@@ -90,7 +90,7 @@ impl Tracked {
         self.velocity_rad_s
     }
 
-    /// The difference of two angles: half a tick old, less than any filter would make it.
+    /// The velocity as the difference of two angles: half a tick late, less than behind any filter.
     pub(super) fn difference_rad_s(&self) -> f64 {
         self.difference_rad_s
     }

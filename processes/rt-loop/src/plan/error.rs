@@ -137,7 +137,7 @@ pub enum PlanError {
          `haptic-camera calibrate friction` first"
     )]
     Uncalibrated,
-    /// What cannot be done on a rig that presses or slides, in the words of that.
+    /// What cannot be done on a rig that presses or slides, in the terms of such a rig.
     #[error("{0}")]
     OnLinearAxis(String),
     /// A duration that is no length of a run.

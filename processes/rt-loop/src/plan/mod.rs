@@ -34,7 +34,7 @@ pub struct Plan {
     pub simulated_knob: Option<Model>,
     /// What is rendered instead of a sweep followed.
     pub rendering: Option<Rendering>,
-    /// What the servo does that whoever reads the capture should know, in a sentence.
+    /// What readers of the capture should know of the servo, in a sentence.
     pub servo_remark: Option<String>,
     /// Core for the real-time thread.
     pub core: usize,
@@ -172,7 +172,7 @@ fn gains(rig: &RigDescription, request: &RunRequest, rate_hz: f64) -> ServoGains
 /// Least jump of the torque to report, as a share of the motor's limit.
 const REPORTED_SHARE: f64 = 0.02;
 
-/// What the encoder's step makes of the servo's torque, where it is more than a little.
+/// The jump of the servo's torque at a step of the encoder, in a sentence; `None` up to [`REPORTED_SHARE`].
 fn rattle(control: &ControlPlan, rig: &RigDescription) -> Option<String> {
     let step_rad = rig.calibration.angle_step_rad;
     let jump_mnm = control.gains.jump_mnm(step_rad, control.rate_hz);
@@ -208,7 +208,7 @@ fn check_servo(
     Err(PlanError::Unstable { asked: rate_hz, remedy })
 }
 
-/// The model of what is put on a rig of that axis: a knob, or what it is tried with instead.
+/// The model of what is put on a rig of that axis: a knob, or a fixture in its place.
 ///
 /// # Errors
 /// [`PlanError::Knob`], for a number that no shipped knob has and a file that is no model; [`PlanError::OtherAxis`].

@@ -22,7 +22,7 @@ pub const WATCH_CALLS_VARIABLE: &str = "HAPTIC_CAMERA_WATCH_CALLS";
 /// How long the watching thread waits at once.
 const PATIENCE: Duration = Duration::from_millis(1);
 
-/// Why nothing is known of the loop's calls, or what is.
+/// Why the loop's system calls are not known, or which of them are not permitted.
 #[derive(Debug, thiserror::Error)]
 pub enum CallWatchError {
     /// The kernel, or what contains this process, does not let calls be watched.
@@ -158,8 +158,8 @@ impl CallWatch {
         Ok((Self { shared: Arc::clone(&shared), thread }, CallWatched(shared)))
     }
 
-    /// Once the watched thread has ended: `Ok` when it made no call but those that the rig declares, and no more of them in a
-    /// tick.
+    /// Waits until the watched thread has ended; `Ok` if it made no calls but those that the rig declares, and no more of them in
+    /// a tick than declared.
     ///
     /// # Errors
     /// [`CallWatchError`]: the calls that it made, or why that is not known.
@@ -239,7 +239,7 @@ static KNOWN_CALLS: &[(i64, &str)] = &[
     (libc::SYS_clock_nanosleep, "clock_nanosleep, a sleep besides the loop's"),
 ];
 
-/// The call's own name, without what is said of it.
+/// The call's own name, without the remark behind it.
 fn name_of(known: &str) -> &str {
     known.split([',', ' ']).next().unwrap_or_default()
 }

@@ -66,7 +66,7 @@ impl ModelEnds {
         let _ = self.events.push(ModelEvent::Rendered { tick, monotonic_time_ns });
     }
 
-    /// Gives a model that is no longer rendered away, to be freed elsewhere; without room it stays with the renderer.
+    /// Hands over a model that is no longer rendered, to be freed elsewhere; without room it stays with the renderer.
     pub(super) fn give_back(&mut self, control: &mut ControlState) {
         if self.events.slots() > 0
             && let Some(model) = control.retired_model()

@@ -127,8 +127,8 @@ impl Drop for OffCore {
     }
 }
 
-/// Puts the calling thread, which publishes, before everything ordinary, so that the ring does not fill up on a machine
-/// whose other cores are taken. Where that is not permitted the ring's length is all there is.
+/// Raises the priority of the calling thread, which publishes, above everything ordinary, so that the ring does not fill up on a
+/// machine whose other cores are taken. Where that is not permitted, only the ring's length protects the samples.
 pub fn prefer_publisher() {
     let _is_permitted = set_fifo_priority(PUBLISHER_PRIORITY);
 }

@@ -9,12 +9,12 @@ const LEAD_NS: u64 = 1_000_000;
 
 /// Longest time before a tick at which the wait stops sleeping, ns.
 ///
-/// Sleep alone wakes about 6 µs late at the median, and a long way later where the core was lent to something that cannot
-/// be interrupted at once. The less of the period is slept, the fewer stalls of the host fall on it: three quarters
-/// spun instead of a half take p99.9 from a half to a quarter of cyclictest's at 10 kHz (`docs/realtime.md`).
+/// Sleep alone wakes about 6 µs late at the median, and much later where the core was lent to something that cannot be
+/// interrupted at once. The shorter the sleep, the fewer stalls of the host fall on it: spinning for three quarters of the period
+/// instead of a half takes p99.9 from a half to a quarter of cyclictest's at 10 kHz (`docs/realtime.md`).
 const LONGEST_SPIN_NS: f64 = 150_000.0;
-/// Share of a period that is spun at most: a loop that leaves ordinary tasks less than a twentieth of its core is taken
-/// off it for some 50 ms at a time by the kernel's guard for them, and its own work comes on top.
+/// Share of a period that is spun at most. The kernel takes a loop that leaves ordinary tasks less than a twentieth of its core
+/// off that core for some 50 ms at a time, and the loop's own work adds to the spinning.
 const SPIN_SHARE: f64 = 0.75;
 
 /// Most of a period by which a rig may shift the ticks at a time.
@@ -66,7 +66,7 @@ impl Schedule {
         Tick { number, due_ns: self.due_ns(number), begun_ns, elapsed }
     }
 
-    /// Has the ticks from the next one on come so much later, ns, a tenth of a period at most either way.
+    /// Shifts the ticks from the next one on by `later_ns`, at most a tenth of a period either way.
     pub fn shift(&mut self, later_ns: i64) {
         let most_ns = (LARGEST_SHIFT * self.period_ns) as i64;
         self.origin_ns = self.origin_ns.saturating_add_signed(later_ns.clamp(-most_ns, most_ns));

@@ -17,10 +17,10 @@ const NUMBER_AT: u32 = 0;
 const FIRST_ARGUMENT_AT: u32 = 16;
 const SECOND_ARGUMENT_AT: u32 = 24;
 
-/// Has every further system call of the calling thread told to the descriptor given back, except the loop's own sleep, which is up
-/// to a time of CLOCK_MONOTONIC, and readings of that clock (which are none where the kernel maps it).
+/// Reports every further system call of the calling thread to the returned descriptor, except the loop's own sleep until a time
+/// of CLOCK_MONOTONIC, and readings of that clock (which are no calls where the kernel maps it).
 ///
-/// A driver's `sleep`, `usleep` and `nanosleep` last for a time, and so are told.
+/// A driver's `sleep`, `usleep` and `nanosleep` last for a duration, and so are reported.
 /// From here to its end the thread waits at every other call until somebody answers.
 ///
 /// # Errors
@@ -44,7 +44,7 @@ pub(super) fn tell_own_calls() -> io::Result<RawFd> {
     if listener < 0 { Err(io::Error::last_os_error()) } else { Ok(RawFd::try_from(listener).unwrap_or(-1)) }
 }
 
-/// Tells all calls but the sleep and the clock.
+/// The filter that reports all calls but the sleep and the clock.
 fn program() -> [libc::sock_filter; 9] {
     let load = |at| {
         // SAFETY: it only puts numbers into a struct.

@@ -28,7 +28,7 @@ pub struct RigKind {
     /// Makes the rig ready for a run, its amplifier off.
     ///
     /// # Errors
-    /// [`PlanError`], for what it cannot be asked.
+    /// [`PlanError`], for a request that the driver cannot meet.
     pub make: fn(&RigFile, &RunRequest) -> Result<Rig, PlanError>,
     /// How it looks for its devices; `None` for a driver that cannot.
     pub scan: Option<Scan>,

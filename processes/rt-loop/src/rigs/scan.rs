@@ -18,7 +18,7 @@ pub struct Scan {
     pub look: fn(&str, &dyn Fn() -> bool) -> Result<Scanned, DriverError>,
 }
 
-/// What a driver says when it cannot.
+/// The error of a driver that cannot look.
 pub type DriverError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Why nothing was found out about a target.

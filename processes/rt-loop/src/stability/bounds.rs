@@ -68,7 +68,7 @@ pub struct Bounds {
 
 /// Share of the motor's torque that may be the model's: the rest holds against noise and the hand.
 const MODEL_SHARE: f64 = 0.9;
-/// Share of what zero exclusion permits that is permitted: the calibration is known to some per cent.
+/// Share that is permitted of the bounds from zero exclusion: the calibration is known to some per cent.
 const SAFETY: f64 = 0.8;
 
 impl Bounds {
@@ -141,7 +141,7 @@ impl Bounds {
         SAFETY * safe
     }
 
-    /// Checks a model against the bounds; gives what will be felt otherwise than the model says, in sentences.
+    /// Checks a model against the bounds; gives sentences on where the rendering will feel different from the model.
     ///
     /// # Errors
     /// [`BoundExceeded`] for the first bound that the model passes.
@@ -355,10 +355,10 @@ impl Demands {
         largest_mnm
     }
 
-    /// What Coulomb friction takes from a swing as wide as a well of the torque, as a damping, mNm·s/rad: its describing
-    /// function, the way in which Coulomb friction enters the bounds of N. Diolaiti, G. Niemeyer, F. Barbagli and J. K. Salisbury,
-    /// *Stability of haptic rendering: discretization, quantization, time delay, and Coulomb effects*, IEEE Trans.
-    /// Robotics 22, 2006.
+    /// Damping equivalent to Coulomb friction for a swing as wide as a well of the torque, mNm·s/rad: its describing function,
+    /// the way in which Coulomb friction enters the bounds of N. Diolaiti, G. Niemeyer, F. Barbagli and J. K. Salisbury,
+    /// *Stability of haptic rendering: discretization, quantization, time delay, and Coulomb effects*, IEEE Trans. Robotics 22,
+    /// 2006.
     fn coulomb_damping(&self, inertia: f64) -> f64 {
         if self.stiffness_mnm_rad == 0.0 {
             return 0.0;

@@ -82,7 +82,7 @@ impl Contact {
     }
 
     fn every_share_is_safe(&self, port: &Port, hands: &Hands) -> bool {
-        // The whole fails first, mostly.
+        // The whole share usually fails first.
         let mut share = 1.0;
         let least = if self.half_gap_rad == 0.0 { 0.9 } else { SOFTEST };
         while share > least {

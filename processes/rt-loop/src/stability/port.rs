@@ -47,8 +47,8 @@ pub struct InnerPart {
 
 /// The rig with its loop, seen from the gripper.
 ///
-/// The loop is linear and sampled; a hand moves slowly beside its rate, so that what is folded back from beyond half the
-/// rate is left out, as J. E. Colgate and G. G. Schenkel do where they compare with the continuous system (*Passivity of a
+/// The loop is linear and sampled. A hand moves slowly compared with the sample rate, so what is aliased from beyond half the
+/// rate is neglected, as by J. E. Colgate and G. G. Schenkel in their comparison with the continuous system (*Passivity of a
 /// class of sampled-data systems*, J. Robotic Systems 14, 1997).
 #[derive(Clone, Copy, Debug)]
 pub struct Port {
@@ -205,7 +205,7 @@ impl Port {
 
 /// Resonance from which on a torque sensor counts as rigid, Hz; a calibration that knows no stiffness has one far beyond.
 const RIGID_HZ: f64 = 20_000.0;
-/// By how much the calibration may be off a resonance.
+/// Factor by which a resonance may differ from what the calibration gives.
 const RESONANCE_MARGIN: f64 = 1.1;
 
 /// From `first` to `last`, each so many times the one before.

@@ -180,7 +180,7 @@ impl ComparedKnob {
         spacing_rad.map(|spacing_rad| [TAU / spacing_rad, spacing_rad.to_degrees()])
     }
 
-    /// What its curves are drawn of, with what follows from it.
+    /// The knob with the model that its curves are drawn of, and with the values that follow from the model.
     #[must_use]
     pub fn with_model(self, model: Model) -> Self {
         let detents = Self::detents(&model);

@@ -106,7 +106,7 @@ fn subjects(captures: usize, models: usize) -> String {
     }
 }
 
-/// From which knob to which inertia, friction and detents reach.
+/// The knobs with the least and the most inertia, friction and detents, in a sentence.
 fn ranges(compared: &Comparison) -> Vec<String> {
     let quantities = [
         ("inertia", "inertia"),

@@ -12,7 +12,7 @@ use crate::page::FEWEST_ROWS;
 /// Bins of the plotted quantity, for each direction.
 const BINS: usize = 120;
 
-/// Torque of the effect as measured, that is what the rest of the model leaves, and as fitted; `None` for an effect with a
+/// Torque of the effect as measured, which is what the rest of the model leaves, and as fitted; `None` for an effect with a
 /// memory, or one whose torque is no curve over a single quantity.
 pub(super) fn figure(found: &Diagnosis, step: &Step, rows: &[Row]) -> Option<Figure> {
     let torques_mnm = torques_mnm(&found.model, step.effect, rows)?;
@@ -49,7 +49,8 @@ pub(super) fn figure(found: &Diagnosis, step: &Step, rows: &[Row]) -> Option<Fig
 /// Reads a quantity off a row.
 type Quantity = Box<dyn Fn(&Row) -> f64>;
 
-/// The quantity that the effect declares to depend on mainly, with its axis; an angle within a detent for what repeats with them.
+/// The main quantity that the effect declares to depend on, with its axis; for an effect that repeats with the detents, an angle
+/// within a detent.
 fn quantity(effect: &Effect, model: &Model) -> Option<(&'static str, Quantity)> {
     let period_rad = model.parameter("detent_period").filter(|period| *period != 0.0);
     let kind = effect.kind();

@@ -20,7 +20,7 @@ const HEAD: f64 = 24.0;
 const FOOT: f64 = 44.0;
 /// Round values along the axis.
 const TICKS: usize = 6;
-/// Room beyond the RMS before, as a share of it.
+/// Length of the axis, as a multiple of the largest RMS shown.
 const ROOM: f64 = 1.15;
 
 struct Line {

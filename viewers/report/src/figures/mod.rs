@@ -67,7 +67,7 @@ pub(crate) struct Figure {
 }
 
 impl Figure {
-    /// The figure as the `number`th of the page, its words left to the `first` one of its kind.
+    /// The figure as the `number`th of the page; its caption refers to figure `first`, which is of the same kind.
     pub(crate) fn again(self, number: usize, first: usize) -> Markup {
         Self { caption: format!("As figure {first}, of this capture."), ..self }.numbered(number)
     }

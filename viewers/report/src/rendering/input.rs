@@ -71,9 +71,9 @@ pub struct RenderingLimits {
 pub struct LostMotion {
     /// The model's gap, from contact to contact, rad.
     pub intended_rad: f64,
-    /// Free ways that the creep shows, from contact to contact or from or to one, rad.
+    /// Stretches of free travel that the creep shows, between two contacts, or up to or away from one, rad.
     pub free_ways_rad: Vec<f64>,
-    /// What a diagnosis calls missing that starts from the model without its gap or shaft.
+    /// The missing effects that a diagnosis names when it starts from the model without its gap or shaft.
     pub named: AddedByRendering,
     /// Effects that explain part of what that diagnosis cannot name, with the share of the gap in torque, %.
     pub partly: Vec<(String, f64)>,

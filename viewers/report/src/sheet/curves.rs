@@ -29,7 +29,7 @@ pub(super) fn titles(axis: Axis) -> [&'static str; 2] {
     }
 }
 
-/// The whole curve, and of detents some close by.
+/// The whole curve, and a close view of some detents where there are any.
 pub(super) fn figures(sheet: &Sheet) -> Markup {
     let what = if sheet.axis == Axis::Rotary { "torque over angle" } else { "force over travel" };
     let whole = figure(sheet, None, &format!("{} as measured, one branch a direction", uppercase(what)));

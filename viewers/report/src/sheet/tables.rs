@@ -25,7 +25,7 @@ fn with_unit(figure: Option<&Figure>) -> Option<String> {
     })
 }
 
-/// What one says first of a control.
+/// The main figures of a control, in a sentence.
 pub(super) fn headline(sheet: &Sheet) -> String {
     let figure = |name: &str| with_unit(sheet.figures.get(name));
     let words = match sheet.axis {

@@ -84,7 +84,7 @@ impl Pages {
         server::response(StatusCode::OK, body, headers)
     }
 
-    /// The figures, with who answers and the timeline by which the page tells how far it has come.
+    /// The figures, with the identity of this process, and the timeline by which the page tells how far it has come.
     fn status(&self) -> String {
         let mut status = lock(&self.glance).clone();
         status["instance"] = self.instance.as_str().into();
@@ -116,8 +116,8 @@ fn empty(status: StatusCode) -> Reply {
     server::response(status, Bytes::new(), [])
 }
 
-/// Whether the browser went to an address and not to a name: whoever owns a name can have it mean this machine, and so have
-/// a page of his read this one.
+/// Whether the browser asked for an address and not for a name: the owner of a name can point it at this machine, and so let a
+/// page of his read this one.
 fn is_asked_by_address(request: &Request<Incoming>) -> bool {
     let host = request.headers().get(header::HOST).and_then(|host| host.to_str().ok());
     host.is_some_and(|host| {

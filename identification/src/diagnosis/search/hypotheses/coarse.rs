@@ -1,4 +1,4 @@
-//! What a further effect would explain, at little cost.
+//! A cheap estimate of how much a further effect would explain.
 
 use dynamics::{Effect, Motion, Part};
 
@@ -8,7 +8,7 @@ use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::vector::{self, dot};
 use crate::regression::least_squares::LeastSquares;
 
-/// What a further effect would explain, judged at the rows' middles without filtering: enough to choose starts.
+/// Estimates how much a further effect would explain, at the rows' middles and without filtering: enough to choose starts.
 pub(super) struct Coarse {
     motions: Vec<(Motion, f64)>,
     /// Friction at the rows, for what modulates it, mNm.
@@ -39,7 +39,7 @@ impl Coarse {
         self.gain_into(&mut effect.clone(), effect.kind().columns_of_a_line())
     }
 
-    /// The same of its leading columns; writes their coefficients into the effect's values.
+    /// As [`Self::gain`], for the effect's `width` leading columns; writes their coefficients into the effect's values.
     pub(super) fn gain_into(&self, effect: &mut Effect, width: usize) -> f64 {
         let Some(regressors) = effect.kind().regressors else { return 0.0 };
         let factor = match effect.kind().part {

@@ -1,4 +1,4 @@
-//! The best fit of a coupling, whose inner body is simulated, and of an effect more beside one.
+//! The best fit of a coupling, whose inner body is simulated, and of one more effect beside a coupling.
 
 use dynamics::effects::shaft_compliance;
 use dynamics::{Effect, EffectKind, Part, Scene};
@@ -22,11 +22,11 @@ const STARTED: usize = 3;
 const STARTED_THOROUGHLY: usize = 20;
 /// A coupling that leaves at least this share of the squares of slow motion is not examined in the whole band.
 const HOPELESS: f64 = 0.95;
-/// Share by which values and sums of squares may differ of fits that are the same.
+/// Share by which values and sums of squares of two fits may differ for the fits to count as the same.
 const ALIKE: f64 = 0.01;
 /// A fit that leaves so many times the squares of the best one after a few steps is given up.
 const LOSING: f64 = 2.0;
-/// Which of the smaller versions of an effect is tried beside a coupling: of the detents' harmonics the first three.
+/// Index of the smaller version of an effect that is tried beside a coupling: of the detents' harmonics, the first three.
 const SMALLER: usize = 2;
 /// Effects that are tried in full beside a coupling.
 const PROMISING: usize = 3;
@@ -53,7 +53,7 @@ pub(crate) fn fitted<'a>(
 ) -> Option<Judged> {
     let scene = Scene { is_faint: effort == Effort::Fine, ..train.scene_of(base) };
     let effects = starts(kind, &scene)?;
-    // The skew that the structure needed without the coupling tells nothing.
+    // The skew fitted without the coupling says nothing about the structure with one.
     let unskewed = Structure { skew_s: 0.0, shaft_is_simulated: false, ..base.clone() };
     if twist::is_shaft(kind) {
         // Most have nothing in front that would have to be found.
@@ -97,7 +97,7 @@ pub(crate) fn fitted<'a>(
     });
     let mut slow: Vec<(f64, Nonlinear<'_>)> = refined.collect();
     slow.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // What other starts led to as well need not be refined twice.
+    // Fits that several starts lead to need not be refined twice.
     slow.dedup_by(|later, sooner| later.0 < (1.0 + ALIKE) * sooner.0 && later.1.is_like(&sooner.1, ALIKE));
     let mut slow = slow.into_iter().map(|(_, fit)| fit);
     // Most starts show soon that they lead nowhere.
@@ -183,7 +183,7 @@ pub(crate) fn with_one_more(
         let Some(hypothesis) = kind.hypothesis else { continue };
         let width = hypothesis.nested.get(SMALLER).copied().unwrap_or(kind.columns_of_a_line());
         if kind.regressors.is_none() {
-            // Friction of the load, or a delay: what it would do shows in the simulation alone.
+            // For friction of the load or a delay, only the simulation gives the derivatives.
             let structure = base.with(Effect::new(kind, &[]), width);
             let columns = Nonlinear::new(structure.clone(), train).tangents_of(base.effects.len());
             let nonnegative = [matches!(kind.part, Part::LoadFriction(_))];

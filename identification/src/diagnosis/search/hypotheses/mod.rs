@@ -10,7 +10,7 @@ use dynamics::{Coordinate, Effect, EffectKind, Part, Role, Scene};
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::structure::Structure;
 
-/// The effects that could be added to a structure, of which a capture could show each.
+/// The effects that could be added to a structure and that a capture could show.
 pub(crate) fn candidates(structure: &Structure, capture: &Capture) -> Vec<&'static EffectKind> {
     let scene = capture.scene();
     let is_coupled = structure.is_coupled();
@@ -33,7 +33,7 @@ fn is_of_angle(kind: &EffectKind) -> bool {
         && kind.depends_on.iter().all(|coordinate| *coordinate == Coordinate::Angle)
 }
 
-/// Whether an effect is a torque over the angle, which a measured curve has already.
+/// Whether an effect is a torque over the angle, which a measured curve already includes.
 fn is_curve(kind: &EffectKind) -> bool {
     matches!(kind.role, Role::Detents | Role::Other)
         && matches!(kind.part, Part::Torque(_) | Part::Reading(_))

@@ -1,4 +1,4 @@
-//! The best fit of an effect more where all is linear but the few parameters that are searched.
+//! The best fit of one more effect where only a few searched parameters are nonlinear.
 
 use dynamics::effects::{cogging, end_stop};
 use dynamics::{Effect, EffectKind, Part};
@@ -16,7 +16,7 @@ const REFINED: usize = 2;
 /// Gauss–Newton steps for each.
 const ROUNDS: usize = 6;
 
-/// The best fit of a structure without coupling and an effect of `kind` more; `None` if this capture could not show it.
+/// The best fit of a structure without coupling and one more effect of `kind`; `None` if this capture could not show it.
 ///
 /// It is refined if its start takes off at least the `promising` share of what is left above the floor.
 pub(crate) fn fitted<'a>(
@@ -79,7 +79,7 @@ pub(crate) fn fitted<'a>(
     fitted.into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence))
 }
 
-/// The fit of stops without the one that explains less than its place and its stiffness cost: it could imitate what is still missing.
+/// The fit of stops without one that explains less than its place and stiffness cost, which could imitate a missing effect.
 fn one_sided<'a>(both: Separable<'a>, base: &Separable<'a>) -> Separable<'a> {
     let index = base.structure.effects.len();
     let (stops, columns) = (both.structure.effects[index], both.structure.columns[index]);
@@ -94,7 +94,7 @@ fn one_sided<'a>(both: Separable<'a>, base: &Separable<'a>) -> Separable<'a> {
     best.filter(is_as_good).unwrap_or(both)
 }
 
-/// The fit with the last effect's law once more, where what is left shows it best; `None` if it cannot occur again.
+/// The fit with the last effect's law occurring once more, where the residual shows it best; `None` if it cannot occur again.
 fn with_a_line_more<'a>(fit: &Separable<'a>) -> Option<Separable<'a>> {
     let index = fit.structure.effects.len().checked_sub(1)?;
     let (effect, columns) = (fit.structure.effects[index], fit.structure.columns[index]);

@@ -42,11 +42,11 @@ const FAST_RATE_HZ: f64 = 10_000.0;
 impl RenderGains {
     /// The gains at a sample rate.
     ///
-    /// Chosen among gains drawn at random (example `choose_gains`) under which no hand of the class can make a knob swing, at rest or
-    /// with any inertia from that of rotor and gripper alone to 0.6 mNm·s²/rad (zero exclusion,
-    /// [`Port`](crate::stability::Port)). They are not those that carry most of a slow load, which is up to 1.8 times as much:
-    /// these are rounded, and gains beside them were found safe too. The lead balances what remains of a spring's
-    /// delay with what an inertia gets too much of it.
+    /// Chosen among gains drawn at random (example `choose_gains`) under which no hand of the class can make a knob swing, at
+    /// rest or with any inertia from that of rotor and gripper alone to 0.6 mNm·s²/rad (zero exclusion,
+    /// [`Port`](crate::stability::Port)). Other gains carry up to 1.8 times as much of a slow load; these are rounded, and gains
+    /// beside them were found safe too. The lead is a compromise between the delay that it leaves to a spring and the lead that
+    /// is too much for an inertia.
     ///
     /// Below the slower of the two rates all frequencies come down with it. Whether that is enough on a rig is for
     /// [`gains_for`](crate::stability::gains_for) to say.

@@ -8,8 +8,9 @@
 /// τ = K·(δ − slack + m·T·mean(ωc − ωi)) + D·(ωc' − ωi')
 /// ```
 ///
-/// with m = ½, the middle of the tick, where the spring's energy is exact. Taken at the tick's end (m = 1) a spring takes in
-/// at least what it then holds: so in the tick in which the bodies meet, and where it is too stiff for the tick.
+/// with m = ½, the middle of the tick, where the spring's energy is exact. Taken at the tick's end (m = 1), a spring takes in at
+/// least the energy that it then holds; this is done in the tick in which the bodies meet, and where the spring is too stiff for
+/// the tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Joint {
     /// Inertia of the cap on the rig's side of the torque sensor, rotor included, mNm·s²/rad.
@@ -50,7 +51,7 @@ pub(super) struct Passed {
 const RIGID: f64 = 1e-7;
 
 impl Joint {
-    /// One body as two that hold together firmly, as `other` divides its inertia.
+    /// One body as two that are rigidly joined, with its inertia divided as in `other`.
     fn of_one_body(inertia: f64, other: &Self) -> Self {
         let inner_inertia = inertia * other.inner_inertia / (other.inner_inertia + other.cap_inertia);
         let stiffness_mnm_rad = RIGID.recip();
@@ -63,7 +64,7 @@ impl Joint {
         }
     }
 
-    /// Between two models, `None` for one body with the inertia given beside it; `share` is the second's.
+    /// The joint between two models, each with its inertia where it is one body (`None`); `share` is the second's.
     pub(super) fn between(from: (Option<Self>, f64), to: (Option<Self>, f64), share: f64) -> Option<Self> {
         let (from, to) = match (from, to) {
             ((None, _), (None, _)) => return None,
@@ -72,7 +73,7 @@ impl Joint {
             ((Some(from), _), (None, inertia)) => (from, Self::of_one_body(inertia, &from)),
         };
         let mixed = |of: fn(&Self) -> f64| of(&from) + share * (of(&to) - of(&from));
-        // A joint gives way by its compliance: so it becomes rigid by and by.
+        // The compliances are mixed, so that a joint becomes rigid gradually.
         let stiffness_mnm_rad = mixed(|joint| joint.stiffness_mnm_rad.recip()).recip();
         Some(Self {
             cap_inertia: mixed(|joint| joint.cap_inertia),
@@ -129,5 +130,5 @@ impl Joint {
     }
 }
 
-/// Square of the phase, rad², that the joint's resonance may turn in a tick and be resolved: a quarter of a turn.
+/// Largest square of the phase, rad², that the joint's resonance may turn in a tick to be resolved: a quarter of a turn.
 const RESOLVED: f64 = 2.5;

@@ -1,4 +1,4 @@
-//! The guard: what the loop gives out beyond what the model gives is counted, and taken back.
+//! The guard: counts the energy that the loop gives out beyond the model's own, and takes it back.
 
 /// Observer and controller of B. Hannaford and J.-H. Ryu, *Time-domain passivity control of haptic interfaces*, IEEE
 /// Trans. Robotics and Automation 18, 2002.
@@ -12,7 +12,7 @@
 pub(super) struct PassivityObserver {
     /// Energy put in that was neither kept by the model nor given out again, mNm·rad.
     balance: f64,
-    /// What was commanded for the present tick to feel like the model, mNm.
+    /// Torque commanded for the present tick to feel like the model, mNm.
     rendered_mnm: f64,
     /// Energy that the virtual knob keeps beyond the rotor's kinetic one, mNm·rad.
     kept: f64,
@@ -37,7 +37,7 @@ impl PassivityObserver {
         Self { balance: 0.0, rendered_mnm: 0.0, kept: 0.0, slack, most_damping }
     }
 
-    /// Torque on the rotor that takes back what came out too much, mNm, after the rotor went on by `way_rad`.
+    /// Torque on the rotor that takes back the excess energy, mNm, after the rotor moved by `way_rad`.
     pub(super) fn correction_mnm(&mut self, way_rad: f64, step_s: f64) -> f64 {
         // The balance has an upper limit, so that energy dissipated long ago cannot offset energy that comes out now.
         self.balance = (self.balance - self.rendered_mnm * way_rad).min(self.slack);
@@ -49,7 +49,7 @@ impl PassivityObserver {
         -damping * way_rad / step_s
     }
 
-    /// Notes what is done until the next reading.
+    /// Notes the tick that lasts until the next reading.
     pub(super) fn note(&mut self, tick: &Tick) {
         self.balance -= tick.work + tick.kept - self.kept;
         self.kept = tick.kept;

@@ -56,7 +56,7 @@ pub enum Unrenderable {
         least: f64,
         /// The inertia of the whole with such a cap, mNm·s²/rad.
         inertia: f64,
-        /// The share of it that is then inside.
+        /// The share of that inertia that is inside.
         share: f64,
     },
     /// An inner body without inertia.
@@ -123,7 +123,7 @@ impl RenderedModel {
     }
 }
 
-/// Share by which rounding may take an inertia below the least, where a share of one was made to fit.
+/// Relative rounding by which an inertia may be below its least, where a share was computed to give exactly the least.
 const ROUNDING: f64 = 1e-9;
 
 /// Inertia of the body in front of a gap or a shaft. In front of a shaft it is at least `least`, the inertia of rotor and gripper,
@@ -133,7 +133,7 @@ pub(crate) fn cap_inertia(coupling: &Coupling, inertia: f64, least: f64) -> f64 
     if coupling.half_gap_rad == 0.0 { own.max(least) } else { own }
 }
 
-/// What joins the bodies of a model of two; `None` for one of one body.
+/// The joint between the bodies of a model of two; `None` for a model of one body.
 fn joint(model: &Model, calibration: &Calibration, least: f64) -> Result<Option<Joint>, Unrenderable> {
     let Some(coupling) = model.coupling() else { return Ok(None) };
     let inertia = model.inertia();
@@ -159,7 +159,7 @@ fn joint(model: &Model, calibration: &Calibration, least: f64) -> Result<Option<
     }))
 }
 
-/// Inertia of the whole, mNm·s²/rad, and the share of it that is inside, of an inner body behind the lightest cap.
+/// Total inertia, mNm·s²/rad, and its inner share, of a knob with this inner inertia behind the lightest possible cap.
 fn with_least_cap(inner: f64, least: f64) -> [f64; 2] {
     let inner = inner.max(LEAST_INNER_INERTIA);
     [least + inner, inner / (least + inner)]

@@ -37,7 +37,7 @@ pub struct Rendered {
     pub angle_rad: f64,
     /// Angle at the reading of what friction and detents act on, rad: the same, or that of the inner body of two.
     pub inner_angle_rad: f64,
-    /// Whether that is at rest.
+    /// Whether what friction and detents act on is at rest.
     pub stuck: bool,
     /// Whether another model begins to be rendered.
     pub begins_another: bool,
@@ -69,7 +69,7 @@ pub struct Renderer {
     slow: DirectForm2Transposed<f64>,
     fade: CrossFade,
     knob: VirtualKnob,
-    /// Angle by which the rotor is ahead of the body, its slow part, rad.
+    /// Slow part of the angle by which the rotor is ahead of the body, rad.
     given_way_rad: f64,
     observer: PassivityObserver,
     previous_angle_rad: Option<f64>,

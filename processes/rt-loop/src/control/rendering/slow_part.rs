@@ -2,7 +2,7 @@
 
 use biquad::Coefficients;
 
-/// The slow part of a torque: (2·ζ·x + 1)/(x² + 2·ζ·x + 1) of x = s/(2π·edge), by the bilinear transform.
+/// The slow part of a torque: (2·ζ·x + 1)/(x² + 2·ζ·x + 1) with x = s/(2π·edge), by the bilinear transform.
 ///
 /// The part that it leaves out begins with the second power of the frequency, so that slow torques pass without delay: any delay,
 /// however small, would be felt as negative damping that grows with inertia.

@@ -52,8 +52,8 @@ impl VirtualBody {
         self.contact == Contact::Stuck
     }
 
-    /// Where torques of the angle are taken over a tick that begins at `time_s`: in the middle of the way that the present
-    /// velocity leads, so that stiff detents gain no energy from the step.
+    /// Where torques of the angle are taken over a tick that begins at `time_s`: half way along the path at the present velocity,
+    /// so that stiff detents gain no energy from the step.
     pub(super) fn middle(&self, time_s: f64, step_s: f64) -> Motion {
         Motion {
             time_s: time_s + 0.5 * step_s,
@@ -63,8 +63,8 @@ impl VirtualBody {
         }
     }
 
-    /// One tick from `time_s` on under `drive_mnm` from outside, torques of the angle taken `given_way_rad` further; gives its work against
-    /// detents and springs, mNm·rad.
+    /// Advances one tick from `time_s` on under the external torque `drive_mnm`, with torques of the angle taken `given_way_rad`
+    /// further; gives its work against detents and springs, mNm·rad.
     pub(super) fn advance(
         &mut self,
         forces: &Forces<'_>,

@@ -9,7 +9,7 @@ const CORRECTIONS: u32 = 3;
 /// Speed from which a cap has all of the motor's friction taken off, rad/s.
 const MOVING_RAD_S: f64 = 0.01;
 
-/// What a model turns: inner body and cap, which in a knob of one body is the same.
+/// The moving bodies of a model: inner body and cap, which are one in a knob of one body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct VirtualKnob {
     /// What friction, stick and detents act on.
@@ -49,7 +49,7 @@ impl VirtualKnob {
 
     /// Share of the motor's own friction that is taken off, with the sign of the motion: none while the knob is held.
     ///
-    /// A cap never comes to rest exactly: its share goes with its speed.
+    /// A cap never comes to rest exactly: below [`MOVING_RAD_S`] its share is proportional to its speed.
     pub(super) fn sliding(&self) -> f64 {
         let Some(joint) = &self.joint else { return direction(self.cap_rad_s) };
         let touching = (self.cap_rad - self.inner.angle_rad).abs() >= joint.half_gap_rad;
@@ -97,7 +97,7 @@ impl VirtualKnob {
         let mut corrections = 0;
         let (inner, cap_rad, cap_rad_s) = loop {
             let passed = joint.passed(touch, ahead_rad, faster_rad_s, step_s);
-            // The cap's equation solved for its velocity at the end leaves one of the inner body alone.
+            // Solving the cap's equation for its end velocity leaves an equation in the inner body's velocity alone.
             let mass = joint.cap_inertia + step_s * passed.firmness;
             let momentum = joint.cap_inertia * self.cap_rad_s + step_s * (drive_mnm - passed.torque_mnm);
             let load = Load {
