@@ -8,7 +8,7 @@ use identification::statistics::{MEDIAN_MAGNITUDE, median, student_95};
 use loaded_capture::LoadedCapture;
 use serde::{Serialize, Serializer};
 
-use crate::{AnalysisError, title};
+use crate::AnalysisError;
 
 /// What captures show, and how that agrees with a model.
 #[derive(Debug, Serialize)]

@@ -6,8 +6,8 @@ use loaded_capture::LoadedCapture;
 use report::{CaptureFacts, DiagnosisNumbers, DiagnosisPage, FigureNumbers};
 use serde::Serialize;
 
+use crate::AnalysisError;
 use crate::error::same_axis;
-use crate::{AnalysisError, title};
 
 /// Finds what a model lacks, using all that is known of the rig. The default model has inertia, friction and detents. The captures
 /// exchange their roles if the missing effects can be named only so.

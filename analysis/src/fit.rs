@@ -6,7 +6,7 @@ use loaded_capture::LoadedCapture;
 use report::{CaptureFacts, FigureNumbers, FitNumbers};
 use serde::Serialize;
 
-use crate::{AnalysisError, facts, title};
+use crate::{AnalysisError, facts};
 
 /// Fits a capture, using what is known about its rig.
 ///
