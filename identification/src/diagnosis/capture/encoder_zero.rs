@@ -7,7 +7,7 @@
 use dynamics::{Coordinate, EffectKind, Model, Motion, effects};
 
 use crate::diagnosis::capture::Capture;
-use crate::diagnosis::model_fit::nonlinear::residual;
+use crate::diagnosis::model_fit::residuals::residual;
 use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::search::hypotheses;

@@ -2,17 +2,16 @@
 
 mod encoder_noise;
 pub(crate) mod encoder_zero;
+mod floor;
 pub(crate) mod periodogram;
 mod rest_noise;
 pub(crate) mod rows;
+mod scene;
 
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use dynamics::{Axis, Calibration, Motion, Scene};
-use rand_distr::{Distribution as _, StandardNormal};
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::SeedableRng as _;
 
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::derivative::gradient;
@@ -25,8 +24,8 @@ use crate::preparation::row_filter::RowFilter;
 use crate::preparation::sensor_noise::SensorNoise;
 use crate::preparation::uniform::Uniform;
 use crate::quasi_static::Map;
-use crate::samples::{FitError, Samples, span};
-use crate::uncertainty::statistics::{noise_deviation, quantile, rms};
+use crate::samples::{FitError, Samples};
+use crate::uncertainty::statistics::noise_deviation;
 
 /// Widest upper edge of the comparison, Hz: contact and shaft show below it, a rig's own resonances lie above.
 pub(crate) const EDGE_HZ: f64 = 200.0;
@@ -36,12 +35,6 @@ pub(crate) const SLIDING: f64 = 0.9;
 const WIDEST: f64 = 0.1;
 /// Skew allowed between torque and motion, in samples.
 const SKEW_SAMPLES: f64 = 0.5;
-/// Most and fewest rows of a stretch whose mean square is taken: within these limits, a capture is divided into twice …
-const STRETCH_ROWS: usize = 60;
-const SHORT_STRETCH_ROWS: usize = 16;
-/// … the fewest stretches that determine the quietest tenth.
-const FEWEST_STRETCHES: usize = 8;
-
 /// Length of the stretches into which a capture is divided if every other one is to be held out, s.
 const STRETCH_S: f64 = 0.5;
 /// Stretches into which a map is divided.
@@ -242,75 +235,6 @@ impl Capture {
         SKEW_SAMPLES / self.rate_hz
     }
 
-    /// RMS of the residual that noise alone leaves beside a knob of this inertia, mNm.
-    pub(crate) fn floor_mnm(&self, inertia: f64) -> f64 {
-        self.torque_noise_mnm.hypot(inertia * self.acceleration_noise_rad_s2)
-    }
-
-    /// RMS of the residual that noise alone leaves beside a structure, mNm.
-    pub(crate) fn floor_of_mnm(&self, structure: &Structure) -> f64 {
-        // A simulated inner body is driven by the angle; only the cap's share feels the acceleration's noise.
-        let gap = structure.model().coupling().filter(|coupling| coupling.half_gap_rad > 0.0);
-        let Some(coupling) = gap else { return self.floor_mnm(structure.inertia()) };
-        let [cap, _] = coupling.inertias(structure.inertia());
-        self.floor_mnm(cap).hypot(self.driven_noise_mnm(structure))
-    }
-
-    /// RMS of the noise in a residual beside a knob of this inertia, mNm, estimated from the quietest tenth of its stretches, relative to the
-    /// noise expected in each: all stretches have noise, but a wrong model errs by different amounts in different stretches.
-    pub(crate) fn quiet_rms_mnm(&self, residual: &[f64], inertia: f64) -> f64 {
-        let weights: Vec<f64> =
-            self.row_filter.mask.iter().step_by(self.row_filter.step).map(|mask| mask * mask).collect();
-        let of_torque = self.white_torque_noise_mnm.powi(2);
-        let even = (of_torque + (inertia * self.acceleration_noise_rad_s2).powi(2)).max(f64::MIN_POSITIVE);
-        let length = (residual.len() / (2 * FEWEST_STRETCHES)).clamp(SHORT_STRETCH_ROWS, STRETCH_ROWS);
-        let expected = |stretch: usize, weight: f64| match &self.of_steps_rad_s2 {
-            Some(rows) => {
-                let rows = &rows[stretch * length..rows.len().min((stretch + 1) * length)];
-                weight * of_torque + inertia * inertia * dot(rows, rows)
-            }
-            None => weight * even,
-        };
-        let mut ratios: Vec<f64> = residual
-            .chunks(length)
-            .zip(weights.chunks(length))
-            .map(|(rows, weights)| (dot(rows, rows), weights.iter().sum::<f64>()))
-            .enumerate()
-            .filter(|(_, (_, weight))| 2.0 * weight > length as f64)
-            .map(|(stretch, (square, weight))| square / expected(stretch, weight))
-            .collect();
-        if ratios.len() < FEWEST_STRETCHES { f64::INFINITY } else { (quantile(&mut ratios, 0.1) * even).sqrt() }
-    }
-
-    /// RMS in the rows of the error that the angle's noise causes in a simulation driven by the angle, mNm: the difference
-    /// between a simulation with as much noise added to the angle and one without.
-    fn driven_noise_mnm(&self, structure: &Structure) -> f64 {
-        let deviation = (self.motion.angle_density * 0.5 * self.rate_hz).sqrt();
-        let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
-        let white: Vec<f64> = (0..self.motion.len())
-            .map(|_| {
-                let unit: f64 = StandardNormal.sample(&mut random);
-                deviation * unit
-            })
-            .collect();
-        let angle = self.motion.smoother(self.rate_hz).filter(&white);
-        let velocity = gradient(&angle, self.rate_hz);
-        let noisy: Vec<Motion> = self
-            .motions
-            .iter()
-            .zip(angle.iter().zip(&velocity))
-            .map(|(motion, (angle, velocity))| Motion {
-                angle_rad: motion.angle_rad + angle,
-                velocity_rad_s: motion.velocity_rad_s + velocity,
-                ..*motion
-            })
-            .collect();
-        let model = structure.model();
-        let [here, there] = [&self.motions, &noisy].map(|motions| self.row_filter.rows(&model.readings_mnm(motions)));
-        let difference: Vec<f64> = here.iter().zip(&there).map(|(here, there)| here - there).collect();
-        (dot(&difference, &difference) / self.weight).sqrt()
-    }
-
     /// Rows in a second, Hz.
     pub(crate) fn row_rate_hz(&self) -> f64 {
         self.rate_hz / self.row_filter.step as f64
@@ -377,36 +301,5 @@ impl Capture {
             .step_by(self.row_filter.step)
             .map(|index| (self.motion.at(index), self.row_filter.mask[index]))
             .collect()
-    }
-
-    /// What is known of capture and knob before an effect is looked for.
-    pub(crate) fn scene_of(&self, structure: &Structure) -> Scene {
-        Scene { inertia: structure.inertia(), detent_period_rad: structure.parameter("detent_period"), ..self.scene }
-    }
-
-    /// What is known of the capture alone.
-    pub(crate) fn scene(&self) -> &Scene {
-        &self.scene
-    }
-
-    /// The same, from the motion where the knob slides.
-    fn measured_scene(&self) -> Scene {
-        let sliding: Vec<usize> = (0..self.motion.len()).filter(|index| self.row_filter.mask[*index] > 0.0).collect();
-        let angles: Vec<f64> = sliding.iter().map(|index| self.motion.angle_rad[*index]).collect();
-        let mut speeds: Vec<f64> = sliding.iter().map(|index| self.motion.velocity_rad_s[*index].abs()).collect();
-        let lowest_rad = angles.iter().copied().fold(f64::INFINITY, f64::min);
-        Scene {
-            lowest_rad,
-            highest_rad: lowest_rad + span(&angles),
-            highest_speed_rad_s: speeds.iter().copied().fold(0.0, f64::max),
-            median_speed_rad_s: quantile(&mut speeds, 0.5),
-            duration_s: self.motion.time_s.last().copied().unwrap_or(0.0) - self.motion.time_s[0],
-            band_hz: self.band.edge_hz,
-            sample_s: 1.0 / self.rate_hz,
-            angle_step_rad: self.angle_step_rad,
-            torque_rms_mnm: rms(&self.torque[0]),
-            is_rotary: self.scene.is_rotary,
-            ..Scene::default()
-        }
     }
 }

@@ -4,13 +4,14 @@
 //! Every value is searched, by Levenberg and Marquardt, first on slow motion and then on wider bands: on the whole band
 //! at once the search stops in the first of many valleys.
 
-use dynamics::{Minimum, Model, Part, RangeEnd, Resolution};
+use dynamics::Resolution;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::diagnosis::capture::Capture;
-use crate::diagnosis::model_fit::structure::{Searched, Structure};
-use crate::diagnosis::model_fit::twist;
+use crate::diagnosis::model_fit::free_values::{FreeValue, free_values};
+use crate::diagnosis::model_fit::residuals::{TOGETHER, residual, residuals};
+use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::vector::dot;
 use crate::preparation::row_filter::{row_low_pass, row_step};
 use crate::preparation::uniform::whole;
@@ -40,27 +41,12 @@ const SECANT: f64 = 1e-2;
 const SETTLED: f64 = 1e-4;
 /// … and one below this share a band of slow motion, which only has to lead into the right valley.
 const SLOW_SETTLED: f64 = 3e-3;
-/// Distance from the bound at which a value on its bound is tried, as a share of the range or, for ratios, of the value.
-const NEAR: f64 = 0.05;
 /// Steps for which derivatives are updated before they are taken anew.
 const UPDATES: usize = 2;
-/// Structures that are simulated together.
-const TOGETHER: usize = 3;
 /// Dampings that are tried in a step.
 const TRIALS: usize = 6;
 /// First damping, as a share of the diagonal.
 const DAMPING: f64 = 1e-3;
-
-/// A value that is fitted.
-#[derive(Clone, Copy, Debug)]
-struct FreeValue {
-    searched: Searched,
-    least: f64,
-    largest: f64,
-    /// Size of a typical change.
-    scale: f64,
-    logarithmic: bool,
-}
 
 /// Rows of the residual's derivatives with the sign turned, one per value.
 #[derive(Default)]
@@ -254,20 +240,14 @@ impl<'a> Nonlinear<'a> {
 
     /// The step that takes each value to its lower bound; infinite where it has none.
     pub(crate) fn lowest_steps(&self) -> Vec<f64> {
-        let lowest = |value: &FreeValue| {
-            let to_least = (value.least - self.structure.get(value.searched)) / value.scale;
-            if value.logarithmic { f64::NEG_INFINITY } else { to_least }
-        };
-        self.values.iter().map(lowest).collect()
+        self.values.iter().map(|value| value.lowest_step(self.structure.get(value.searched))).collect()
     }
 
     /// The structure with every value moved by a step in units of its scale.
     pub(crate) fn moved(&self, step: &[f64]) -> Structure {
         let mut moved = self.structure.clone();
         for (value, step) in self.values.iter().zip(step) {
-            let now = moved.get(value.searched);
-            let then = if value.logarithmic { now * step.clamp(-1.0, 1.0).exp() } else { now + step * value.scale };
-            moved.set(value.searched, then.clamp(value.least, value.largest));
+            moved.set(value.searched, value.moved(moved.get(value.searched), *step));
         }
         moved
     }
@@ -279,25 +259,13 @@ impl<'a> Nonlinear<'a> {
 
     /// The values that may stand at the end of their range where their effect is a straight line.
     pub(crate) fn with_straight_end(&self) -> impl Iterator<Item = usize> + '_ {
-        let has_straight_end = |value: &FreeValue| match value.searched {
-            Searched::Parameter { effect, parameter, .. } => {
-                let mut searches = self.structure.effects[effect].kind().searches().iter();
-                searches.any(|search| search.parameter == parameter && search.straight_end.is_some())
-            }
-            Searched::Skew => false,
-        };
-        (0..self.values.len()).filter(move |index| has_straight_end(&self.values[*index]))
+        (0..self.values.len()).filter(|index| self.values[*index].has_straight_end(&self.structure))
     }
 
     /// A value's interval from the half width of its step's.
     pub(crate) fn interval(&self, column: usize, half: f64) -> Option<[f64; 2]> {
         let value = self.values[column];
-        let now = self.structure.get(value.searched);
-        if value.logarithmic {
-            (half < 20.0).then(|| [now * (-half).exp(), now * half.exp()])
-        } else {
-            Some([now - half * value.scale, now + half * value.scale])
-        }
+        value.interval(self.structure.get(value.searched), half)
     }
 
     /// Rows of the derivatives by one effect's values.
@@ -305,43 +273,6 @@ impl<'a> Nonlinear<'a> {
         let values: Vec<usize> =
             (0..self.values.len()).filter(|index| self.values[*index].searched.is_of(effect)).collect();
         self.tangents_by(&values, DIFFERENCE, 1.0)
-    }
-
-    /// Name of a parameter of the last effect that tends beyond the bound of its search: its value stands on the bound, and a
-    /// little inside the bound the fit is clearly worse. An end of the range beyond which the effect stays the same straight
-    /// line does not count as a bound. `None` if there is no such parameter.
-    pub(crate) fn on_bound(structure: &Structure, capture: &Capture) -> Option<&'static str> {
-        let index = structure.effects.len().checked_sub(1)?;
-        let effect = structure.effects[index];
-        let scene = capture.scene_of(structure);
-        let mut squares = None;
-        let at_bound = effect.free_searches(structure.columns[index]).find(|search| {
-            let Some((least, largest)) = search.range_in(&scene) else { return false };
-            // A coupling's share is bounded by its definition, not by what the capture could show.
-            if matches!(effect.kind().part, Part::Coupling(_)) && effect.kind().parameters[search.parameter].unit == "1"
-            {
-                return false;
-            }
-            let value = effect.values()[search.parameter];
-            let width = if search.logarithmic { value } else { largest - least };
-            let inward = if value <= least + 1e-3 * width && search.straight_end != Some(RangeEnd::Least) {
-                NEAR * width
-            } else if value >= largest - 1e-3 * width && search.straight_end != Some(RangeEnd::Largest) {
-                -NEAR * width
-            } else {
-                return false;
-            };
-            let mut moved = structure.clone();
-            moved.effects[index].values_mut()[search.parameter] = value + inward;
-            let here = *squares.get_or_insert_with(|| {
-                let left = residual(structure, capture);
-                dot(&left, &left)
-            });
-            let left = residual(&moved, capture);
-            // Two log-likelihood units.
-            0.5 * capture.weight * (dot(&left, &left) / here).ln() > 2.0
-        });
-        at_bound.map(|search| effect.kind().parameters[search.parameter].name)
     }
 
     /// Rows of the residual's derivatives with the sign turned, one per value.
@@ -390,44 +321,6 @@ impl<'a> Nonlinear<'a> {
     }
 }
 
-/// Measured minus predicted torque, in rows.
-pub(crate) fn residual(structure: &Structure, capture: &Capture) -> Vec<f64> {
-    residuals(&[structure], capture, Resolution::Full).remove(0)
-}
-
-/// The same of several structures.
-fn residuals(structures: &[&Structure], capture: &Capture, resolution: Resolution) -> Vec<Vec<f64>> {
-    if structures.iter().any(|structure| twist::of(structure).is_some()) {
-        let unwound = structures.iter().map(|structure| match twist::unwound(structure, capture) {
-            Some((bare, behind)) => residual(&bare, &behind),
-            None => residual(structure, capture),
-        });
-        return unwound.collect();
-    }
-    let first_mnm = capture.torques(0.0)[0].first().copied().unwrap_or(0.0);
-    let models: Vec<Model> = structures.iter().map(|structure| structure.model()).collect();
-    let readings_mnm = models.chunks(TOGETHER).flat_map(|models| match models {
-        [first, second, third] => {
-            Model::readings_of_mnm([first, second, third], capture.motions(), first_mnm, resolution).to_vec()
-        }
-        [first, second] => Model::readings_of_mnm([first, second], capture.motions(), first_mnm, resolution).to_vec(),
-        others => others
-            .iter()
-            .flat_map(|model| Model::readings_of_mnm([model], capture.motions(), first_mnm, resolution))
-            .collect(),
-    });
-    // Structures seldom differ in their delay: the target is computed anew only if they do.
-    let mut target: Option<(f64, Vec<f64>)> = None;
-    let left = |(structure, readings_mnm): (&&Structure, Vec<f64>)| {
-        let delay_s = structure.delay_s();
-        let at_delay = target.take().filter(|(of_s, _)| *of_s == delay_s);
-        let (_, target) = target.insert(at_delay.unwrap_or_else(|| (delay_s, capture.target(delay_s))));
-        let readings = capture.row_filter.rows(&readings_mnm);
-        target.iter().zip(&readings).map(|(target, reading)| target - reading).collect()
-    };
-    structures.iter().zip(readings_mnm).map(left).collect()
-}
-
 /// Rows below a share of the comparison's band.
 fn narrowed(rows: &[f64], share: f64, capture: &Capture) -> Vec<f64> {
     if share >= 1.0 {
@@ -439,52 +332,4 @@ fn narrowed(rows: &[f64], share: f64, capture: &Capture) -> Vec<f64> {
 /// Number of rows of the whole band for each row of a share of it.
 fn narrowing(share: f64, capture: &Capture) -> usize {
     row_step(share * capture.band.edge_hz, capture.row_rate_hz())
-}
-
-/// Everything in the structure that a fit can move.
-fn free_values(structure: &Structure, capture: &Capture) -> Vec<FreeValue> {
-    let scene = capture.scene_of(structure);
-    let mut values = Vec::new();
-    for (index, effect) in structure.effects.iter().enumerate() {
-        let kind = effect.kind();
-        if matches!(kind.part, Part::Stick(_)) {
-            continue;
-        }
-        let searches = kind.searches();
-        let used = kind.parameters_in(structure.columns[index]);
-        for (parameter, parameter_kind) in kind.parameters.iter().enumerate().take(used) {
-            let now = effect.values()[parameter];
-            let value = |range: (f64, f64), scale, logarithmic| FreeValue {
-                searched: Searched::Parameter { effect: index, parameter, range },
-                least: range.0,
-                largest: range.1,
-                scale,
-                logarithmic,
-            };
-            // Not free: a searched value without a range in this capture, one tied to another value, and an absent one.
-            if let Some(search) = searches.iter().find(|search| search.parameter == parameter) {
-                if let Some(range) =
-                    search.range_in(&scene).filter(|_| search.same_as.is_none() && !effect.is_absent(parameter))
-                {
-                    values.push(value(range, 0.05 * (range.1 - range.0), search.logarithmic));
-                }
-                continue;
-            }
-            let positive = parameter_kind.minimum == Minimum::AboveZero;
-            let least = if parameter_kind.minimum == Minimum::None { f64::NEG_INFINITY } else { 0.0 };
-            let scale = if parameter_kind.unit == "rad" { 1.0 } else { now.abs().max(0.01 * scene.torque_rms_mnm) };
-            values.push(value((least, f64::INFINITY), scale, positive && now > 0.0));
-        }
-    }
-    if structure.has_free_skew(capture) {
-        let largest = capture.largest_skew_s();
-        values.push(FreeValue {
-            searched: Searched::Skew,
-            least: -largest,
-            largest,
-            scale: 0.2 * largest,
-            logarithmic: false,
-        });
-    }
-    values
 }

@@ -3,7 +3,8 @@
 use dynamics::Effect;
 
 use crate::diagnosis::capture::Capture;
-use crate::diagnosis::model_fit::nonlinear::{self, Nonlinear};
+use crate::diagnosis::model_fit::nonlinear::Nonlinear;
+use crate::diagnosis::model_fit::residuals;
 use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::vector::dot;
@@ -116,7 +117,7 @@ impl Judged {
         let above = LeastSquares::corrected(&columns, &residual(&columns, &target, &lowest), &is_bounded, &[]);
         let step: Vec<f64> = above.coefficients.iter().zip(&lowest).map(|(above, lowest)| above + lowest).collect();
         let moved = fit.moved(&step);
-        let train_residual = nonlinear::residual(&moved, train);
+        let train_residual = residuals::residual(&moved, train);
         (above.fitted() > 0).then(|| Self::of(moved, train_residual, train, heldout))
     }
 
@@ -258,10 +259,10 @@ fn residual_as_fitted(structure: &Structure, capture: &Capture) -> Vec<f64> {
     let own: Vec<usize> =
         (0..structure.effects.len()).filter(|index| is_per_capture(&structure.effects[*index])).collect();
     if own.is_empty() {
-        return nonlinear::residual(structure, capture);
+        return residuals::residual(structure, capture);
     }
     let rows: Vec<Vec<f64>> = own.iter().flat_map(|index| capture.rows_of(structure, *index)).collect();
     let rest = structure.without_all(&own);
-    let left = nonlinear::residual(&rest, capture);
+    let left = residuals::residual(&rest, capture);
     LeastSquares::held(&rows, &left, &vec![false; rows.len()], &[]).residual
 }

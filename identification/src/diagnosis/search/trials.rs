@@ -8,8 +8,8 @@ use dynamics::{Effect, EffectKind, ParameterKind, Part};
 use rayon::prelude::*;
 
 use crate::diagnosis::findings::Value;
+use crate::diagnosis::model_fit::bound::on_bound;
 use crate::diagnosis::model_fit::intervals;
-use crate::diagnosis::model_fit::nonlinear::Nonlinear;
 use crate::diagnosis::model_fit::separable::{BEND, Separable};
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::twist;
@@ -209,7 +209,7 @@ impl Search<'_> {
         if twist::is_overdamped(&judged.structure) {
             return Some("its damping exceeds the critical one, so that it does not resonate".to_owned());
         }
-        Nonlinear::on_bound(&judged.structure, self.train)
+        on_bound(&judged.structure, self.train)
             .map(|parameter| format!("{parameter} stands on the bound of what this capture could show"))
     }
 

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::coarse::Coarse;
 use super::starts;
 use crate::diagnosis::capture::Capture;
+use crate::diagnosis::model_fit::bound::on_bound;
 use crate::diagnosis::model_fit::nonlinear::Nonlinear;
 use crate::diagnosis::model_fit::sticking;
 use crate::diagnosis::model_fit::structure::Structure;
@@ -73,7 +74,7 @@ pub(crate) fn fitted<'a>(
         let is_all = |shaft: &Effect| shaft.values()[shaft_compliance::OUTER_SHARE] >= shaft_compliance::LARGEST_SHARE;
         let between = shaft(&effects, &unskewed, [train, heldout])
             .filter(|judged| !judged.structure.effects.last().is_some_and(is_all));
-        let is_within = |judged: &Judged| Nonlinear::on_bound(&judged.structure, train).is_none();
+        let is_within = |judged: &Judged| on_bound(&judged.structure, train).is_none();
         let better = between.filter(|judged| judged.evidence > alone.evidence && is_within(judged));
         return Some(better.unwrap_or(alone));
     }
@@ -122,7 +123,7 @@ pub(crate) fn fitted<'a>(
         least = least.min(fit.squares());
         let judged = Judged::nonlinear(&fit, train, heldout);
         let is_closed = judged.train_over_floor() < CLOSED;
-        let rank = (Nonlinear::on_bound(&fit.structure, train).is_none(), judged.evidence);
+        let rank = (on_bound(&fit.structure, train).is_none(), judged.evidence);
         if judged.is_finite() && best.as_ref().is_none_or(|(best, ..)| rank > *best) {
             best = Some((rank, judged, fit));
         }

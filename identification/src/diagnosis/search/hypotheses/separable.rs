@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::coarse::Coarse;
 use super::starts;
 use crate::diagnosis::capture::Capture;
-use crate::diagnosis::model_fit::nonlinear::Nonlinear;
+use crate::diagnosis::model_fit::bound::on_bound;
 use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::search::judged::Judged;
 
@@ -114,7 +114,7 @@ fn with_a_line_more<'a>(fit: &Separable<'a>) -> Option<Separable<'a>> {
     let values = fit.structure.effects[index].values();
     let scene = fit.capture.scene_of(&fit.structure);
     let is_new = cogging::lines_are_resolved(values, &scene) && !cogging::is_of_the_detents(values[used + 1], &scene);
-    (is_new && Nonlinear::on_bound(&fit.structure, fit.capture).is_none()).then_some(fit)
+    (is_new && on_bound(&fit.structure, fit.capture).is_none()).then_some(fit)
 }
 
 /// Whether the effect's columns at one moment depend on that moment alone.
