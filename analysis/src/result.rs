@@ -43,7 +43,7 @@ fn in_words_of(axis: Axis, value: Value, is_phase: bool) -> Value {
     }
 }
 
-/// A result as JSON, under its keys and `made_by`.
+/// A result as JSON: its own keys, and `made_by`.
 ///
 /// # Errors
 /// Where a result cannot be written as JSON, which those of this crate always can.

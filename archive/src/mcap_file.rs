@@ -285,7 +285,7 @@ impl Rows {
         let mut ledger = SequenceLedger::default();
         if let Some(Values::Counts(seq)) = self.named("seq") {
             for &seq in seq.iter() {
-                // A repeated sample shows as time that does not rise.
+                // A repeated sample is found later, by a time that does not rise.
                 let _ = ledger.admit(seq);
             }
         }

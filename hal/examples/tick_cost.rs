@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use dynamics::{Drive, Excitation, knobs};
 use hal::Apparatus;
-use hal::simulated::{RigParameters, SimulatedRig};
+use hal::simulated_rig::{RigParameters, SimulatedRig};
 
 const OFFLINE_S: u64 = 10;
 

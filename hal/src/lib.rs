@@ -4,7 +4,7 @@
 //! and off, say what failed. [`Calibration`](dynamics::Calibration) is what is known of the rig from measurement; [`Limits`] is
 //! what it must not exceed. A [`RigFile`] names the driver and all that a lab knows of its rig. The drivers have a folder each:
 //!
-//! - [`simulated`]: a rig that needs no hardware.
+//! - [`simulated_rig`]: a rig that needs no hardware.
 //! - [`moteus`]: a motor behind a moteus controller.
 //! - [`plugin`]: a shared library with the C interface of `haptic_rig.h`.
 //! - [`ethercat`]: CiA 402 servo drives on EtherCAT, with whatever else is on their bus.
@@ -16,7 +16,7 @@ pub mod moteus;
 pub mod plugin;
 mod rig_file;
 mod scanned;
-pub mod simulated;
+pub mod simulated_rig;
 mod wired;
 
 pub use apparatus::{Apparatus, ApparatusError, DeclaredCalls, Limits, Measurement, RigDescription, TorqueSource};

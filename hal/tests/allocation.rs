@@ -4,7 +4,7 @@
 use allocation_counter::{AllocationInfo, measure};
 use dynamics::{Model, knobs};
 use hal::Apparatus;
-use hal::simulated::{RigParameters, SimulatedRig};
+use hal::simulated_rig::{RigParameters, SimulatedRig};
 
 #[test]
 fn a_tick_of_the_rig_never_touches_the_heap() {

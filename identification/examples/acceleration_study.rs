@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 use common::{Failure, Uniform, captured_at};
 use dynamics::knobs;
-use hal::simulated::RigParameters;
+use hal::simulated_rig::RigParameters;
 use identification::{AccelerationUse, FitOptions, Samples, fit};
 
 /// Noise of the acceleration that the paper states for its sensor, rad/s².

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 use common::{Failure, SLIDING, captured_at, true_value};
 use dynamics::{Model, knobs};
-use hal::simulated::RigParameters;
+use hal::simulated_rig::RigParameters;
 use identification::{Fit, average, fit};
 
 /// Captures of a pair: a sweep, and its amplitude in rad about which seeds vary by 5 %.

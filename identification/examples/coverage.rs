@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use common::{Failure, Uniform, captured_at, true_value};
 use dynamics::knobs;
-use hal::simulated::RigParameters;
+use hal::simulated_rig::RigParameters;
 use identification::{Fit, fit};
 
 /// What of the rig is made ideal.

@@ -8,7 +8,7 @@ mod common;
 
 use common::{Failure, Uniform, captured_at, true_value};
 use dynamics::knobs;
-use hal::simulated::RigParameters;
+use hal::simulated_rig::RigParameters;
 use identification::{FitOptions, PreparationMethod, fit};
 
 const PARAMETERS: [&str; 4] = ["inertia", "coulomb_positive", "viscous_positive", "detent_amplitude"];

@@ -252,7 +252,7 @@ impl Fit {
             let mut effect = *effect;
             let kind = effect.kind();
             for (slot, parameter) in effect.values_mut().iter_mut().zip(kind.parameters) {
-                // Stick limits that could not be estimated keep the values of the fit, which the capture bounds.
+                // A stick limit without an estimate keeps its value of the fit, a bound that the capture sets.
                 if estimated(parameter.name).is_some() || kind.name == effects::karnopp_stick::KIND.name {
                     continue;
                 }

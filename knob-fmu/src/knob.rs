@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use dynamics::{Model, ModelError, Motion, TorqueReader};
-use simulators::fmi::{MODEL_FILE, Variable};
+use simulator_formats::fmi::{MODEL_FILE, Variable};
 
 /// N m in a mNm.
 const N_M: f64 = 1e-3;

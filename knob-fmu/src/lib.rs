@@ -19,7 +19,7 @@ use std::path::Path;
 use std::slice;
 
 use knob::{Knob, KnobError};
-use simulators::fmi::TOKEN;
+use simulator_formats::fmi::TOKEN;
 
 /// `fmi3Status`.
 pub(crate) type Status = c_int;

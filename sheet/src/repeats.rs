@@ -229,8 +229,8 @@ fn spread(detents: &[Detent], name: &str) -> Option<Spread> {
     Some(Spread { spread, worst, number: values.len() })
 }
 
-/// The mean of several runs with the standard error of one more run about it, and the degrees of freedom. The standard error is at least
-/// the RMS of the runs' own: runs may agree by chance, or because of the step of the rows.
+/// The mean of several runs with the standard error with which it predicts one more run, and the degrees of freedom. That error is at
+/// least the RMS of the runs' own standard errors: runs may agree by chance, or because all are read in equal steps.
 pub(crate) fn combined(runs: &[Estimate]) -> (Estimate, f64) {
     let values: Vec<f64> = runs.iter().map(|run| run.value).collect();
     let Some((value, deviation)) = mean_and_deviation(&values) else {

@@ -77,7 +77,7 @@ impl<'model> Equation<'model> {
         self.cap.as_ref().map_or(torque_mnm, passed_on)
     }
 
-    /// Derivatives of the place; `sliding` is `None` at rest.
+    /// Derivatives by time of the state vector `place`; `sliding` is `None` at rest.
     pub(super) fn rates(&self, time_s: f64, place: &Place, torque_mnm: f64, sliding: Option<&Sliding>) -> Place {
         let driving_mnm = self.driving_mnm(place, torque_mnm);
         let (velocity, acceleration) = sliding.map_or((0.0, 0.0), |sliding| {

@@ -2,7 +2,7 @@
 
 use dynamics::{Excitation, Model};
 use hal::Apparatus;
-use hal::simulated::{RigParameters, SimulatedRig};
+use hal::simulated_rig::{RigParameters, SimulatedRig};
 
 use super::servo::{Gains, Servo};
 

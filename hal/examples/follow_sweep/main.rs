@@ -8,7 +8,7 @@ mod servo;
 
 use drive::{Conditions, drive};
 use dynamics::{Drive, Effect, Excitation, Model, effects, knobs};
-use hal::simulated::RigParameters;
+use hal::simulated_rig::RigParameters;
 use servo::Gains;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,7 +1,7 @@
 //! A position servo for the rig: PID, a notch at the shaft's resonance, and the load's torque fed forward.
 
 use dynamics::{Calibration, Setpoint};
-use hal::simulated::Readings;
+use hal::simulated_rig::Readings;
 
 /// Gains of the servo.
 #[derive(Clone, Copy, Debug)]

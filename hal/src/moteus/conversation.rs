@@ -98,7 +98,7 @@ impl<'a> Conversation<'a> {
         self.link.send(&self.address.stop()).map_err(gone)
     }
 
-    /// What the controller says to a line on its stream; `None` where it does not listen there.
+    /// The controller's answer to a line of text on its diagnostic stream; `None` if it does not listen there.
     pub(super) fn command_line(&mut self, line: &str) -> Result<Option<String>, ApparatusError> {
         let mut unheard = 0;
         let said = self.address.bytes(|data| diagnostic::write_client_to_server(STREAM, line.as_bytes(), data));

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use hal::Apparatus as _;
-use hal::simulated::{Cogging, RigParameters, SimulatedRig};
+use hal::simulated_rig::{Cogging, RigParameters, SimulatedRig};
 
 use super::{Run, assert_close, clamped, flywheel, frictionless_motor};
 

@@ -16,7 +16,7 @@ mod waveforms;
 
 use dynamics::{Effect, Model, effects};
 use hal::Apparatus;
-use hal::simulated::{Readings, RigParameters, SimulatedRig};
+use hal::simulated_rig::{Readings, RigParameters, SimulatedRig};
 
 /// The default rig without noise, steps, offsets and gravity.
 fn ideal_sensors() -> RigParameters {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use hal::simulated::RigParameters;
+use hal::simulated_rig::RigParameters;
 
 use super::{Run, assert_close, clamped, flywheel, frictionless_motor, ideal_sensors};
 

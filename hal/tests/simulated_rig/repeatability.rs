@@ -1,7 +1,7 @@
 //! The same run twice, and the same run at other rates.
 
 use dynamics::knobs;
-use hal::simulated::{Readings, RigParameters};
+use hal::simulated_rig::{Readings, RigParameters};
 
 use super::Run;
 
@@ -9,7 +9,7 @@ fn bits(measurement: &Readings) -> [u64; 3] {
     [measurement.angle_rad, measurement.acceleration_rad_s2, measurement.torque_mnm].map(f64::to_bits)
 }
 
-fn record(seed: u64) -> (Vec<[u64; 3]>, hal::simulated::Truth) {
+fn record(seed: u64) -> (Vec<[u64; 3]>, hal::simulated_rig::Truth) {
     let mut run = Run::seeded(RigParameters::default(), knobs::paper_knob(4).unwrap(), 10_000, seed);
     let readings = (0..5000).map(|tick| bits(&run.tick(80.0 * (f64::from(tick) * 2e-3).sin()))).collect();
     (readings, run.rig.truth())

@@ -2,7 +2,7 @@
 
 use dynamics::{Effect, Model, effects, knobs};
 use hal::Apparatus;
-use hal::simulated::{RigParameters, SimulatedRig};
+use hal::simulated_rig::{RigParameters, SimulatedRig};
 
 use super::{Run, assert_close, clamped, flywheel, frictionless_motor};
 

@@ -2,7 +2,7 @@
 
 use dynamics::{Model, Motion, knobs};
 use hal::Apparatus;
-use hal::simulated::{RigParameters, SimulatedRig};
+use hal::simulated_rig::{RigParameters, SimulatedRig};
 
 use super::{Run, assert_close, frictionless_motor, ideal_sensors};
 

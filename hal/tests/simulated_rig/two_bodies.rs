@@ -2,7 +2,7 @@
 
 use dynamics::{Effect, Model, effects, knobs};
 use hal::Apparatus;
-use hal::simulated::{RigParameters, Truth};
+use hal::simulated_rig::{RigParameters, Truth};
 
 use super::{Run, assert_close, flywheel, frictionless_motor};
 

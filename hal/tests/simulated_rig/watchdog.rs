@@ -1,7 +1,7 @@
 //! The amplifier's switch and watchdog, and readings that come late.
 
 use dynamics::knobs;
-use hal::simulated::{RigParameters, SimulatedRig};
+use hal::simulated_rig::{RigParameters, SimulatedRig};
 use hal::{Apparatus, ApparatusError};
 
 use super::{flywheel, ideal_sensors};

@@ -81,7 +81,7 @@ impl Spectrum {
         (0..self.density.len()).map(|index| index as f64 * self.step_hz)
     }
 
-    /// Frequency below which `share` of the power above `floor` lies, Hz.
+    /// Frequency, Hz, below which lies `share` of the power of those lines that exceed `floor`.
     pub(crate) fn power_below(&self, share: f64, floor: f64) -> f64 {
         let excess: Vec<f64> =
             self.smooth().iter().map(|density| if *density > floor { *density } else { 0.0 }).collect();

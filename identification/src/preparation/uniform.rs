@@ -81,7 +81,7 @@ impl Uniform {
         if gaps == 0 && scatter < JITTER {
             return Self::of_columns(samples, step, vec![true; count], <[f64]>::to_vec);
         }
-        // Time without the excess of long gaps, so that a pause does not fill memory.
+        // Long gaps are shortened on the grid, so that a pause does not fill memory.
         let longest_s = LONGEST_GAP_S.min((count as f64 + GAP_POINTS) / gaps.max(1) as f64 * step).max(GAP * step);
         let mut compressed = Vec::with_capacity(count);
         let mut excess = 0.0;

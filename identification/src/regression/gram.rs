@@ -143,7 +143,7 @@ impl Solution {
         }
     }
 
-    /// Inverse of the fitted columns' Gram matrix, zero in the rows and columns of the others.
+    /// Inverse of the fitted columns' Gram matrix; rows and columns of columns that were not fitted are zero.
     pub(crate) fn inverse(&self) -> DMatrix<f64> {
         let (inverse, count) = (self.factor.inverse(), self.coefficients.len());
         let mut all = DMatrix::zeros(count, count);

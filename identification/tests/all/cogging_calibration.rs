@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use crate::common::{Commanded, Uniform, commanded};
 use dynamics::knobs::Fixture;
 use dynamics::{Calibration, Drive, Excitation};
-use hal::simulated::{Cogging, RigParameters};
+use hal::simulated_rig::{Cogging, RigParameters};
 use identification::calibration::{CalibrateError, Calibrated, CoggingEstimate, cogging, combine, friction};
 
 /// Captures the gripper alone on a rig whose motor cogs.

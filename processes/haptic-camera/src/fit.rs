@@ -12,7 +12,7 @@ use identification::statistics::half_width;
 use identification::{Agreement, Average, Fit, MeasuredCurve, Parameter, PreparationMethod};
 use loaded_capture::LoadedCapture;
 use report::{AveragePage, true_value};
-use simulators::IntoMjcfError;
+use simulator_formats::IntoMjcfError;
 
 use crate::command_line::ColumnOptions;
 use crate::load;
@@ -89,7 +89,7 @@ fn of_several(captures: &[LoadedCapture], fits: &[Fit], options: &FitOptions) ->
 fn write_into(options: &FitOptions, model: &Model) -> anyhow::Result<()> {
     let Some(path) = &options.into else { return Ok(()) };
     let file = foreign_files::read_text(path).with_context(|| format!("{} cannot be read", path.display()))?;
-    let changed = simulators::into_mjcf(&file, options.joint.as_deref(), model)
+    let changed = simulator_formats::into_mjcf(&file, options.joint.as_deref(), model)
         .map_err(|error| match error {
             IntoMjcfError::Joint { .. } => with_options(error, "--joint"),
             _ => error.into(),

@@ -12,7 +12,6 @@ mod command_line;
 mod compare;
 mod compose;
 mod diagnose;
-mod diagnosis_text;
 mod doctor;
 mod export;
 mod fit;

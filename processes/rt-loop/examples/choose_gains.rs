@@ -11,7 +11,7 @@ mod numbers;
 
 use dynamics::knobs::Fixture;
 use hal::Apparatus as _;
-use hal::simulated::{RigParameters, SimulatedRig};
+use hal::simulated_rig::{RigParameters, SimulatedRig};
 use numbers::Numbers;
 use rt_loop::control::rendering::RenderGains;
 use rt_loop::stability::{Bounds, Hands, LinearModel, Port};

@@ -9,7 +9,7 @@ use std::str::FromStr;
 use clap::{Args, Parser};
 use dynamics::Axis;
 use dynamics::knobs::DOME;
-use hal::simulated::Cogging;
+use hal::simulated_rig::Cogging;
 use serde::{Deserialize, Serialize};
 
 /// Longest run, s: a day. Also the length of a run that the operator ends.

@@ -208,5 +208,5 @@ fn a_rig_file_with_a_key_that_none_has_is_refused_with_its_line() {
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
     reported_once(&errors, "rig.toml: line");
     assert!(errors.contains("unknown field `velocity_rad_s`"), "{errors}");
-    assert!(repository().join("hal/src/simulated/rig.toml").exists());
+    assert!(repository().join("hal/src/simulated_rig/rig.toml").exists());
 }

@@ -12,7 +12,6 @@ mod average;
 mod comparison;
 mod diagnosis;
 mod figures;
-mod ink;
 mod intervals;
 mod numbers;
 mod page;
@@ -23,7 +22,6 @@ mod rendering;
 mod rig_test;
 mod sheet;
 mod shown;
-mod themed_svg;
 mod trend;
 mod verdict;
 

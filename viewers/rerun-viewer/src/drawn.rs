@@ -1,7 +1,7 @@
 //! What was drawn, kept for the pages that ask for it.
 //!
 //! A page asks for a range of frames and is given one rerun file with one message for each entity, since rerun's program spends
-//! its time per message, not per point. Messages that belong to no time (layout, styles, axes, detents) are kept in their newest
+//! its time per message, not per point. Messages without a time (layout, styles, axes, detents) are kept in their newest
 //! state as long as the viewer lives; of the run itself, as much is kept as there is room for.
 
 use std::collections::VecDeque;
@@ -88,7 +88,7 @@ impl Drawn {
     }
 
     /// The newest of the kept frames from number `from` to before number `to`, as a rerun file that is empty when nothing is new.
-    /// Without `to`, the frames reach to the newest one, and the file also has the new messages that belong to no time.
+    /// Without `to`, the frames reach to the newest one, and the file also has the new messages without a time.
     pub fn answer(&self, from: u64, to: Option<u64>) -> anyhow::Result<(Contents, Vec<u8>)> {
         let (contents, mut messages, chunks) = lock(&self.0).pick(from, to);
         let mut chunks = merged(chunks)?;
@@ -136,7 +136,7 @@ impl Kept {
         }
     }
 
-    /// The contents of an answer, its messages that belong to no time, and the rows of the run in the order in which they were
+    /// The contents of an answer, its messages without a time, and the rows of the run in the order in which they were
     /// drawn.
     fn pick(&self, from: u64, to: Option<u64>) -> (Contents, Vec<LogMsg>, Vec<(StoreId, Chunk)>) {
         let end = to.unwrap_or(self.next).min(self.next);

@@ -39,7 +39,7 @@ pub fn draw_dial(recording: &RecordingStream) -> RecordingStreamResult<()> {
     let label = |rad: i32| (place(f64::from(rad), 1.2, 0.0), format!("{rad} rad").replace('-', "\u{2212}"));
     let (places, texts): (Vec<_>, Vec<_>) = (-3..=3).map(label).unzip();
     recording.log_static(format!("{KNOB}/dial/labels"), &labels(places, texts))?;
-    // On the body, and from there to the ring.
+    // The pointer: one part on the body, one from the body to the ring.
     let (middle, half) = (0.5 * (BODY_RADIUS + RING_RADIUS), 0.5 * (RING_RADIUS - BODY_RADIUS));
     let centers = [[0.0, 0.55 * BODY_RADIUS, BODY_HEIGHT], [0.0, middle, 0.02]].map(|center| center.map(single));
     let half_sizes = [[0.045, 0.45 * BODY_RADIUS, 0.03], [0.012, half, 0.012]].map(|size| size.map(single));

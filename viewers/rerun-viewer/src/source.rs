@@ -26,7 +26,7 @@ pub struct Reading {
 }
 
 impl Reading {
-    /// Of a sample of a run at that rate.
+    /// The reading of one sample of a run at `rate_hz`.
     pub fn of(sample: &Sample, rate_hz: f64, is_rendered: bool) -> Self {
         Self {
             time_ns: nanoseconds(sample.time_s(rate_hz)),
@@ -34,7 +34,7 @@ impl Reading {
             angle_rad: sample.angle_rad,
             velocity_rad_s: sample.velocity_rad_s,
             acceleration_rad_s2: sample.acceleration_rad_s2,
-            // The sensor reads minus that.
+            // The sensor reads the opposite of the torque that the hand feels.
             torque_mnm: if is_rendered { -sample.torque_mnm } else { sample.torque_mnm },
             contact: sample.contact,
             turning_positive: sample.velocity_rad_s > 0.0,

@@ -105,7 +105,7 @@ impl Judged {
             of_train.iter().zip(&of_heldout).map(|(train, heldout)| joined(train, heldout)).collect();
         let target = joined(&self.train_residual, &self.heldout_residual);
         let collinear = LeastSquares::solve(&columns, &target).collinear;
-        // Each step is counted from the value's lower bound, where a nonnegative coefficient keeps the value in range.
+        // Steps are counted from each value's lower bound: a coefficient that cannot be negative then keeps the value above it.
         let lowest: Vec<Option<f64>> = fit
             .lowest_steps()
             .into_iter()

@@ -3,7 +3,7 @@
 
 use dynamics::{Drive, Excitation, Model};
 use hal::Apparatus;
-use hal::simulated::{RigParameters, SimulatedRig};
+use hal::simulated_rig::{RigParameters, SimulatedRig};
 
 use super::{Capture, RATE_HZ};
 

@@ -2,7 +2,7 @@
 
 use dynamics::{Drive, Excitation, Model};
 use hal::Apparatus;
-use hal::simulated::{RigParameters, SimulatedRig};
+use hal::simulated_rig::{RigParameters, SimulatedRig};
 use rt_loop::control::{ControlPlan, ControlState, Reading, Request, ServoGains};
 
 use super::{Capture, Failure, RATE_HZ};

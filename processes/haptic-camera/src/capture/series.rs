@@ -15,7 +15,7 @@ use super::{finish, supervised};
 use crate::outcome::{Outcome, remark, say, show};
 use crate::outputs::{ResultFiles, kind, show_on, write};
 use crate::supervision::{Interrupt, claim_archive};
-use crate::{diagnose, diagnosis_text, judge};
+use crate::{diagnose, judge};
 
 /// The motion that is held out, unless it is the sweep asked for …
 const HELD_OUT: &str = "multisine";
@@ -181,7 +181,7 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
     let Some([first, held_out]) = taken.first_chunk() else { return Ok(()) };
     let axis = first.loaded.capture.axis;
     show([""]);
-    show_on(axis, diagnosis_text::lines(found));
+    show_on(axis, diagnose::text::lines(found));
     let path = &first.loaded.capture.source;
     let beside = |extension: &str| {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();

@@ -15,7 +15,7 @@ use parquet::basic::{Encoding, Repetition, Type as PhysicalType};
 use parquet::data_type::{DoubleType, Int32Type, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
-use simulators::{TableSpan, TabulationError, TorqueOverAngle};
+use simulator_formats::{TableSpan, TabulationError, TorqueOverAngle};
 
 use crate::command_line::ColumnOptions;
 use crate::load;
@@ -173,6 +173,6 @@ fn firmware_header(model: &Model, options: &ExportOptions) -> anyhow::Result<Str
     let has_table = model.effects.iter().any(|effect| effect.kind().steepest_mnm_rad.is_some());
     let table = has_table.then(|| tabulated(model, options)).transpose()?;
     let guard = options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    write(&options.out, kind::HEADER, &simulators::c_header(model, table.as_ref(), &options.source, &guard))?;
+    write(&options.out, kind::HEADER, &simulator_formats::c_header(model, table.as_ref(), &options.source, &guard))?;
     Ok(table.map_or_else(|| "no torque that depends on the angle".to_owned(), |table| table.in_words()))
 }

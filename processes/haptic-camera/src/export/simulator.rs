@@ -5,7 +5,7 @@ use archive::whole_file::write_bytes;
 use dynamics::excitation::{Drive, Excitation};
 use dynamics::{Axis, Model, Motion, knobs};
 use serde::Serialize;
-use simulators::{Export, SmartKnob, SmartKnobExport, fmi, isaac_lab, left_out_mnm};
+use simulator_formats::{Export, SmartKnob, SmartKnobExport, fmi, isaac_lab, left_out_mnm};
 
 use super::ExportOptions;
 use crate::load;
@@ -39,12 +39,12 @@ fn in_words(axis: Axis, left_out_mnm: f64, along: &str, left_out: &[String]) -> 
 }
 
 pub(super) fn mjcf(model: &Model, options: &ExportOptions) -> anyhow::Result<String> {
-    write_export(options, model, &simulators::mjcf(model))
+    write_export(options, model, &simulator_formats::mjcf(model))
 }
 
 /// The URDF, and beside it the fields of Isaac Lab's actuators, for which URDF has no place.
 pub(super) fn urdf(model: &Model, options: &ExportOptions) -> anyhow::Result<String> {
-    let words = write_export(options, model, &simulators::urdf(model))?;
+    let words = write_export(options, model, &simulator_formats::urdf(model))?;
     let Some(beside) = options.isaac_lab() else { return Ok(words) };
     write(&beside, kind::JSON, &isaac_lab(model))?;
     let beside = beside.display();
@@ -80,7 +80,8 @@ pub(super) fn smartknob(options: &ExportOptions) -> anyhow::Result<String> {
     let model = knobs::named(&options.source)?;
     anyhow::ensure!(model.axis.is_rotary(), "{} has a linear axis; a SmartKnob is rotary", model.name);
     let (motions, along) = motion(options, model.axis)?;
-    let SmartKnobExport { knob, left_out, left_out_mnm } = simulators::smartknob(&model, motor_mnm_per_v, &motions);
+    let SmartKnobExport { knob, left_out, left_out_mnm } =
+        simulator_formats::smartknob(&model, motor_mnm_per_v, &motions);
     let words = in_words(model.axis, left_out_mnm, &along, &left_out);
     let file =
         SmartKnobFile { smartknob_config: knob, motor_mnm_per_v, left_out_rms_mnm: left_out_mnm, along, left_out };

@@ -8,7 +8,7 @@ use dynamics::{Direction, Model, Motion, knobs};
 use report::{WallKnob, WallPage};
 use shared_types::Axis;
 use sheet::{Branch, Sheet};
-use simulators::{SMARTKNOBS, SmartKnob};
+use simulator_formats::{SMARTKNOBS, SmartKnob};
 
 use crate::terminal::decimals;
 

@@ -135,7 +135,7 @@ fn time_line(link: &LoopLink) -> String {
     format!("{:5.1} s, {}", link.elapsed_s(), losses(link))
 }
 
-/// How many parameters are known well enough or, where the sweep ends by a share, the least known one.
+/// How many parameters are known well enough; with `until`, the one that is known least.
 fn known_words(parameters: &[LiveParameter], until: Option<Share>) -> String {
     match (until, open(parameters).first()) {
         (Some(share), None) => format!("all within {share}"),

@@ -16,7 +16,7 @@ mod passivity;
 mod random_knob;
 
 use dynamics::Model;
-use hal::simulated::{Cogging, Hand};
+use hal::simulated_rig::{Cogging, Hand};
 use rt_loop::control::rendering::RenderGains;
 use rt_loop::stability::Firmness;
 

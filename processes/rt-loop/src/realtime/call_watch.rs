@@ -158,8 +158,8 @@ impl CallWatch {
         Ok((Self { shared: Arc::clone(&shared), thread }, CallWatched(shared)))
     }
 
-    /// Waits until the watched thread has ended; `Ok` if it made no calls but those that the rig declares, and no more of them in
-    /// a tick than declared.
+    /// Waits until the watched thread has ended. `Ok` if all its system calls are declared by the rig, and no tick had more of them
+    /// than declared.
     ///
     /// # Errors
     /// [`CallWatchError`]: the calls that it made, or why that is not known.

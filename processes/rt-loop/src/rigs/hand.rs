@@ -4,7 +4,7 @@ use std::path::Path;
 
 use dynamics::{Axis, Drive, Excitation};
 use foreign_files::{Column, OtherColumns, read_columns};
-use hal::simulated::{Grip, Hand, Intention};
+use hal::simulated_rig::{Grip, Hand, Intention};
 
 use crate::plan::PlanError;
 use crate::request::HandRequest;

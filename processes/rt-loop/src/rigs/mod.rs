@@ -49,7 +49,8 @@ pub type Registry<'a> = &'a [&'static RigKind];
 pub static ALL: [&RigKind; 4] = [&simulated::KIND, &plugin::KIND, &ethercat::KIND, &moteus::KIND];
 
 /// The simulated rigs' files, by the names that `--apparatus` has for them.
-const SHIPPED: [(&str, &str); 2] = [("sim", hal::simulated::RIG_FILE), ("sim-linear", hal::simulated::LINEAR_RIG_FILE)];
+const SHIPPED: [(&str, &str); 2] =
+    [("sim", hal::simulated_rig::RIG_FILE), ("sim-linear", hal::simulated_rig::LINEAR_RIG_FILE)];
 
 /// The file of the rig that is asked for: one that is given, or one that ships.
 ///

@@ -2,7 +2,7 @@
 
 use dynamics::knobs::Fixture;
 use hal::RigFile;
-use hal::simulated::{RIG_FILE, RigParameters, SimulatedRig};
+use hal::simulated_rig::{RIG_FILE, RigParameters, SimulatedRig};
 
 use super::hand::hand;
 use super::{Rig, RigKind};

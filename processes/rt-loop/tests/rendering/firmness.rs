@@ -3,7 +3,7 @@
 use dynamics::knobs::Fixture;
 use dynamics::{Effect, Model, effects};
 use hal::Apparatus as _;
-use hal::simulated::{Grip, Hand, Intention, RigParameters, SimulatedRig};
+use hal::simulated_rig::{Grip, Hand, Intention, RigParameters, SimulatedRig};
 use rt_loop::control::rendering::RenderGains;
 use rt_loop::stability::{Firmness, gains_for};
 

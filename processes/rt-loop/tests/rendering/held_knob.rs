@@ -3,7 +3,7 @@
 use dynamics::{CoggingHarmonic, Model, Motion, knobs::Fixture};
 use hal::Apparatus as _;
 use hal::Measurement;
-use hal::simulated::{Cogging, Hand, RigParameters, SimulatedRig};
+use hal::simulated_rig::{Cogging, Hand, RigParameters, SimulatedRig};
 use rt_loop::control::CoggingCompensation;
 use rt_loop::control::rendering::{RenderGains, Rendered, RenderedModel, Renderer, StepInput};
 

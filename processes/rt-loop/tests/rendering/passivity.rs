@@ -1,7 +1,7 @@
 //! Inside the bounds nothing swings up and no energy comes out; outside, it can.
 
 use hal::Apparatus as _;
-use hal::simulated::{Cogging, Grip, Hand, Intention, RigParameters, SimulatedRig};
+use hal::simulated_rig::{Cogging, Grip, Hand, Intention, RigParameters, SimulatedRig};
 use rt_loop::control::rendering::RenderGains;
 use rt_loop::stability::{Bounds, Firmness, gains_for};
 

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use dynamics::{Effect, Model, effects};
-use hal::simulated::{Grip, Hand, Intention};
+use hal::simulated_rig::{Grip, Hand, Intention};
 
 use crate::numbers::Numbers;
 

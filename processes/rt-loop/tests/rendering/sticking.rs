@@ -3,7 +3,7 @@
 use dynamics::Model;
 use dynamics::knobs::{Fixture, paper_knob};
 use hal::Apparatus as _;
-use hal::simulated::{Grip, Hand, Intention, RigParameters, SimulatedRig};
+use hal::simulated_rig::{Grip, Hand, Intention, RigParameters, SimulatedRig};
 use rt_loop::admission::Admission;
 use rt_loop::control::rendering::RenderGains;
 use rt_loop::stability::gains_for;

@@ -3,7 +3,7 @@
 use dynamics::knobs::paper_knob;
 use dynamics::{Drive, Excitation};
 use hal::Apparatus as _;
-use hal::simulated::{Grip, Hand, Intention};
+use hal::simulated_rig::{Grip, Hand, Intention};
 use rt_loop::control::rendering::{RenderGains, RenderedModel};
 
 use crate::held_knob::HeldKnob;

@@ -7,8 +7,8 @@ use maud::{Markup, html};
 
 use super::input::{ComparedKnob, Comparison};
 use crate::figures::{ANGLE, THIRD, TORQUE, VELOCITY, real};
-use crate::ink::Ink;
 use crate::numbers::three;
+use crate::plot::ink::Ink;
 use crate::plot::{Axis, Layer, Plot};
 
 /// Height of a small plot, SVG units.

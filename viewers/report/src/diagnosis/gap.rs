@@ -6,9 +6,9 @@ use maud::{Markup, html};
 
 use super::{Numbering, floors};
 use crate::figures::{Figure, Mark, Numbers, RESIDUAL, TIME, WIDE, longest_step_s, rms, typical_excerpt};
-use crate::ink::Ink;
 use crate::numbers::{three, two};
 use crate::page::FEWEST_ROWS;
+use crate::plot::ink::Ink;
 use crate::plot::{Axis, Layer, Plot};
 
 /// The section, and the numbers in its figure's caption.

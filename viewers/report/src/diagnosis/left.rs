@@ -5,8 +5,8 @@ use maud::{Markup, html};
 
 use super::shape::shape;
 use super::{Numbering, floors, maps};
-use crate::ink::Ink;
 use crate::numbers::{three, two};
+use crate::plot::ink::Ink;
 use crate::verdict::LIKE_NOISE;
 
 pub(super) fn section(found: &Diagnosis, numbers: &mut Numbering) -> Markup {

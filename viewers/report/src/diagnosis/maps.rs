@@ -6,8 +6,8 @@ use maud::{Markup, html};
 use super::Numbering;
 use super::shape::shape;
 use crate::figures::{HALF, THIRD, WIDE};
-use crate::ink::Ink;
 use crate::numbers::two;
+use crate::plot::ink::Ink;
 use crate::plot::{Axis, Layer, Plot};
 
 /// Probabilities below this are shown as smaller.

@@ -5,9 +5,9 @@ use maud::{Markup, html};
 
 use super::maps::probability;
 use crate::figures::{Figure, Mark, real};
-use crate::ink::Ink;
 use crate::numbers::three;
 use crate::plot::Axis;
+use crate::plot::ink::Ink;
 
 /// Size of the plot, and where its dots and its columns of figures lie, SVG units.
 const WIDTH: f64 = 880.0;

@@ -4,9 +4,9 @@ use identification::diagnosis::Diagnosis;
 use maud::{Markup, html};
 
 use crate::figures::{Figure, Mark, real};
-use crate::ink::Ink;
 use crate::numbers::three;
 use crate::plot::Axis;
+use crate::plot::ink::Ink;
 
 /// Size of the plot and its rooms for labels, SVG units.
 const WIDTH: f64 = 880.0;

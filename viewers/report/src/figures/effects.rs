@@ -6,7 +6,7 @@ use dynamics::{Coordinate, Direction, Effect, Motion, Part, effects};
 use identification::{Fit, Point};
 
 use super::{ACCELERATION, ANGLE, Figure, Mark, THIRD, TORQUE, VELOCITY, real, thinned};
-use crate::ink::Ink;
+use crate::plot::ink::Ink;
 use crate::plot::{Axis, Layer, Plot};
 
 /// Dots in one plot.

@@ -3,8 +3,8 @@
 use identification::{Fit, Point};
 
 use super::{Figure, Mark, Numbers, TIME, TORQUE, WIDE, longest_step_s, rms};
-use crate::ink::Ink;
 use crate::numbers::{three, two};
+use crate::plot::ink::Ink;
 use crate::plot::{Axis, Layer, Plot};
 
 /// Length of the excerpt, s.

@@ -20,7 +20,7 @@ pub(crate) use torque::{
     LEGEND as TORQUE_LEGEND, angle_figure, angle_plot, quantity_plot, velocity_figure, velocity_plot,
 };
 
-use crate::ink::Ink;
+use crate::plot::ink::Ink;
 
 /// Axis titles, named like the columns `torque_mnm`, `angle_rad`, ….
 pub(crate) const TORQUE: &str = "torque (mNm)";

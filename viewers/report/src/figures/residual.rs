@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use identification::{Fit, Point};
 
 use super::{Figure, HALF, Mark, Numbers, RESIDUAL, TIME, WIDE, longest_step_s, real};
-use crate::ink::Ink;
 use crate::numbers::{Digits, three};
+use crate::plot::ink::Ink;
 use crate::plot::{Axis, Layer, Plot};
 
 /// Columns across the plot over time.

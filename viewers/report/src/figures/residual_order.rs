@@ -6,8 +6,8 @@ use dynamics::effects;
 use identification::{Fit, Point};
 
 use super::{Figure, HALF, Mark, Numbers, real, thinned, travel_rad};
-use crate::ink::Ink;
 use crate::numbers::{three, two};
+use crate::plot::ink::Ink;
 use crate::plot::{Axis, Layer, Plot};
 
 /// Rows from which the spectrum is made.

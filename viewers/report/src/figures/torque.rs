@@ -6,8 +6,8 @@ use maud::Markup;
 
 use super::bins::{Bin, runs, smoothed};
 use super::{ANGLE, Figure, Mark, TORQUE, VELOCITY, WIDE, real, thinned, travel_rad};
-use crate::ink::Ink;
 use crate::numbers::two;
+use crate::plot::ink::Ink;
 use crate::plot::{Axis, Layer, Plot};
 
 /// Dots of each direction in one plot.

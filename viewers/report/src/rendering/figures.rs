@@ -5,8 +5,8 @@ use maud::{Markup, html};
 
 use super::RenderingPage;
 use crate::figures::{Figure, Mark, angle_plot, finite_points, residual_plot, velocity_plot};
-use crate::ink::Ink;
 use crate::page::FEWEST_ROWS;
+use crate::plot::ink::Ink;
 
 const LEGEND: [(Mark, Ink, &str); 4] = [
     (Mark::Dots, Ink::MeasuredPositive, "captured turning positively"),

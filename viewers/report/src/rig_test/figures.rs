@@ -4,9 +4,9 @@ use maud::{Markup, html};
 
 use super::input::{ChannelDifference, ChannelTrace, RigTest};
 use crate::figures::{HALF, TIME, real};
-use crate::ink::Ink;
 use crate::numbers::two;
 use crate::page::uppercase_first;
+use crate::plot::ink::Ink;
 use crate::plot::{Axis, Layer, Plot};
 
 /// Length of the sweep's end that is shown, s: where it is fastest in every reading of it.

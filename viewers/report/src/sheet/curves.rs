@@ -7,7 +7,7 @@ use shared_types::Axis;
 use sheet::{Branch, Sheet};
 
 use crate::figures::{Figure, Mark, WIDE};
-use crate::ink::Ink;
+use crate::plot::ink::Ink;
 use crate::plot::{Axis as PlotAxis, Layer, Plot};
 
 /// Detents in the plot close by.

@@ -4,8 +4,8 @@ use maud::{Markup, html};
 use sheet::Sheet;
 
 use super::curves::small;
-use crate::ink::Ink;
 use crate::page::document;
+use crate::plot::ink::Ink;
 use crate::plot::{Axis, Layer, Plot};
 
 /// Size of a small plot, SVG units.

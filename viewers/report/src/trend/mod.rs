@@ -7,10 +7,10 @@ use maud::{Markup, html};
 pub use input::{Drift, Trend, TrendGroup, TrendParameter, TrendPoint};
 
 use crate::figures::{Figure, Mark, THIRD, real};
-use crate::ink::Ink;
 use crate::numbers::{Digits, count};
 use crate::page::{document, footer};
 use crate::parameter_table::name_cells;
+use crate::plot::ink::Ink;
 use crate::plot::{Axis, Layer, Plot};
 
 /// Most groups that are drawn side by side; the table has all.

@@ -1,5 +1,7 @@
 //! `diagnose`: what a model lacks.
 
+pub(crate) mod text;
+
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
@@ -14,7 +16,7 @@ use serde_json::json;
 use crate::command_line::ColumnOptions;
 use crate::outputs::{ResultFiles, kind, show_on, write_if_asked};
 use crate::supervision::bare_program;
-use crate::{diagnosis_text, load, terminal};
+use crate::{load, terminal};
 
 #[derive(Debug, Args)]
 pub struct DiagnoseOptions {
@@ -49,7 +51,7 @@ pub fn run(options: &DiagnoseOptions) -> anyhow::Result<()> {
         refuse_drawn(model, &path.display().to_string())?;
     }
     let found = with_progress(|progress| Ok(analysis::diagnose(&train, heldout.as_ref(), model, Some(progress))?))?;
-    show_on(train.capture.axis, diagnosis_text::lines(&found));
+    show_on(train.capture.axis, text::lines(&found));
     let (trained, _) = found.in_their_roles(&train, heldout.as_ref());
     write_if_asked(&options.out, kind::DIAGNOSED_MODEL, || diagnosed_model(&found, &[trained]).to_toml())?;
     write_results(&options.results, &options.recording, &found, &train, heldout.as_ref())

@@ -1,5 +1,8 @@
 //! A plot: axes and layers, drawn by plotters into themed SVG.
 
+pub(crate) mod ink;
+pub(crate) mod themed_svg;
+
 use maud::{Markup, PreEscaped, html};
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::Ranged as _;
@@ -13,9 +16,9 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color as _, IntoFont as _, TRANSPARENT, TextStyle};
 use std::convert::Infallible;
 
-use crate::ink::Ink;
+use self::ink::Ink;
+use self::themed_svg::{PIXELS_PER_UNIT, ThemedSvg};
 use crate::numbers::fixed;
-use crate::themed_svg::{PIXELS_PER_UNIT, ThemedSvg};
 
 /// Margin beyond the outermost points, as a share of their distance.
 const MARGIN: f64 = 0.04;

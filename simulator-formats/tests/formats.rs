@@ -4,7 +4,7 @@
 
 use dynamics::effects::{detent, friction, inertia, torque_offset};
 use dynamics::{Effect, Model, Motion};
-use simulators::{into_mjcf, left_out_mnm, mjcf, urdf};
+use simulator_formats::{into_mjcf, left_out_mnm, mjcf, urdf};
 
 const ROBOT: &str = "<mujoco>\n  <worldbody>\n    <body name=\"cap\"><joint name='volume' damping='7'/><!-- kept --></body>\n  \
                      </worldbody>\n</mujoco>\n";

@@ -18,7 +18,7 @@
 //!
 //! ```
 //! use hal::Apparatus;
-//! use hal::simulated::{RigParameters, SimulatedRig};
+//! use hal::simulated_rig::{RigParameters, SimulatedRig};
 //!
 //! let knob = dynamics::knobs::paper_knob(3)?;
 //! let mut rig = SimulatedRig::new(RigParameters::default(), knob, 7)?;

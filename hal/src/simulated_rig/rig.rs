@@ -9,7 +9,7 @@ use super::watchdog::Watchdog;
 use super::{Hand, ParameterError, RigParameters};
 use crate::{Apparatus, ApparatusError, Measurement, RigDescription};
 
-/// A rig with a knob on it that exists as numbers; see the [module](crate::simulated).
+/// A rig with a knob on it that exists as numbers; see the [module](crate::simulated_rig).
 #[derive(Debug)]
 pub struct SimulatedRig {
     description: RigDescription,

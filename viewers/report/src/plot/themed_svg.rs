@@ -10,7 +10,7 @@ use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind, FontTransform,
 };
 
-use crate::ink::Ink;
+use crate::plot::ink::Ink;
 
 /// plotters pixels per SVG unit.
 pub(crate) const PIXELS_PER_UNIT: u32 = 10;
