@@ -34,7 +34,7 @@ impl Reading {
             angle_rad: sample.angle_rad,
             velocity_rad_s: sample.velocity_rad_s,
             acceleration_rad_s2: sample.acceleration_rad_s2,
-            // The sensor reads the opposite of the torque that the hand feels.
+            // The sensor of a rig that renders reads that torque with the opposite sign.
             torque_mnm: if is_rendered { -sample.torque_mnm } else { sample.torque_mnm },
             contact: sample.contact,
             turning_positive: sample.velocity_rad_s > 0.0,
