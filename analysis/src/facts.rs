@@ -18,7 +18,7 @@ pub fn facts(loaded: &LoadedCapture) -> CaptureFacts {
     let capture = &loaded.capture;
     let facts = CaptureFacts {
         title: loaded.title(),
-        source: loaded.file_name(),
+        source: capture.file_name(),
         rate_hz: capture.rate_hz,
         duration_s: capture.tick.last().map_or(0.0, |tick| (tick + 1) as f64 / capture.rate_hz),
         samples: capture.len() as u64,

@@ -156,6 +156,12 @@ impl Capture {
         self.tick.windows(2).map(|pair| pair[1].saturating_sub(pair[0]).saturating_sub(1)).sum()
     }
 
+    /// Name of the capture's file, without its folder.
+    #[must_use]
+    pub fn file_name(&self) -> String {
+        self.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+    }
+
     /// The attachment of that name, as text.
     #[must_use]
     pub fn attached_text(&self, name: &str) -> Option<&str> {

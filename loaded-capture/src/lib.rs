@@ -70,19 +70,13 @@ impl LoadedCapture {
     /// The capture's title in tables and on pages: its knob, where that is known, and its file.
     #[must_use]
     pub fn title(&self) -> String {
-        let file = self.file_name();
+        let file = self.capture.file_name();
         let title = match &self.capture.description {
             Some(description) => format!("Knob {} ({file})", description.knob),
             None => file,
         };
         // Names of knobs and files are of any length.
         foreign_files::one_line(&title)
-    }
-
-    /// The capture's file, without its folder.
-    #[must_use]
-    pub fn file_name(&self) -> String {
-        self.capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
     }
 
     /// [`load`](Self::load) for a table or a measurement whose columns were chosen.

@@ -16,7 +16,7 @@
 //! ([`crate::Bristles::bent`]), so only reversals are events. What a torque sensor reads besides the torque takes no
 //! part in the motion; [`crate::Model::knob_torque_mnm`] takes it off.
 //!
-//! Where the motion of the cap is given, [`InnerBody`] follows it in fixed substeps, as a control loop needs it.
+//! Where the motion of the cap is given, [`crate::InnerBody`] follows it in fixed substeps, as a control loop needs it.
 //!
 //! [`forward_windows`] compares a model's motion with a measured one, window by window, and
 //! [`forward_windows_from_command`] does so from the command to the rig's motor.
@@ -25,7 +25,7 @@ mod driving;
 mod equation;
 mod error;
 mod events;
-mod inner_body;
+pub(crate) mod inner_body;
 mod observer;
 mod runge_kutta;
 mod state;
@@ -39,7 +39,6 @@ use crate::{Coupling, Direction, Model, Motion};
 
 pub use self::driving::RigMotor;
 pub use self::error::SimulationError;
-pub use self::inner_body::{InnerBody, Resolution};
 pub use self::state::State;
 pub use self::windows::{ForwardErrors, WindowErrors, forward_windows, forward_windows_from_command};
 

@@ -26,7 +26,7 @@ pub struct DoctorOptions {
 
 const PROGRAMS: [&str; 4] = ["rt-loop", "recorder", "live-fitter", "rerun-viewer"];
 
-/// The result of one check: what is in order, or what is amiss and how to mend it.
+/// The finding of one check: `Ok` describes what is in order, `Err` the fault and its remedy.
 type Finding = Result<String, String>;
 
 pub fn run(options: &DoctorOptions) -> anyhow::Result<Outcome> {

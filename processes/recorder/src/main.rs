@@ -4,7 +4,7 @@
 //! loop's status, the models that a replay renders, the live fitter's estimates and every consumer's
 //! health. **Publishes** its own health twice a second.
 //!
-//! **When it dies**, even by SIGKILL, the control loop does not notice, and what was written up to half a second before is on the
+//! **When it dies**, even by SIGKILL, the control loop does not notice, and all samples until half a second before are on the
 //! disk. Restarted with the same `--out` it goes on in a new part, `FILE.mcap.part-001` and so on; the samples of the meantime
 //! reach it as history. At the end of the run the parts become `FILE.mcap`, each sample once. **When the disk is full**, or the
 //! folder is removed, it goes on in a folder of its own in the temporary directory; without room there either, it keeps 100 s in

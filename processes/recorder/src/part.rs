@@ -81,7 +81,7 @@ impl Part {
     pub(crate) fn give_up(self) -> Option<File> {
         let vanished = self.has_vanished();
         let Self { path: _, writer, file, disk, asked: _ } = self;
-        // Dropping the writer tries to end the file, which may fail: what was flushed is sound without an end.
+        // Dropping the writer tries to end the file. That may fail: flushed chunks can be read without an end.
         drop(writer);
         drop(disk);
         vanished.then_some(file)

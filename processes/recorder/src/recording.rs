@@ -14,8 +14,8 @@ use crate::part::{Flushed, Part};
 use crate::parts;
 use crate::rescue::Rescue;
 
-/// Interval between chunks: what is lost when all processes are killed. Half a second is promised, and on a machine whose
-/// processors and disk are both taken a chunk was seen to reach the operating system 0.3 s late.
+/// Interval between chunks. If all processes are killed, the samples since the last chunk are lost, at most half a second of them as
+/// promised: on a machine whose processors and disk are both taken a chunk was seen to reach the operating system 0.3 s late.
 const FLUSH_INTERVAL: Duration = Duration::from_millis(150);
 
 /// One message for the archive.

@@ -28,7 +28,7 @@ pub fn markdown(capture: &Capture, fit: &Result<Fit, String>) -> String {
 }
 
 fn head(capture: &Capture) -> String {
-    let file = capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let file = capture.file_name();
     let rate = rate(capture.rate_hz);
     let title = match &capture.description {
         Some(run) => format!("# {}\n\non **{}**, {rate}\n\n{file}", knob_title(&run.knob), run.apparatus),

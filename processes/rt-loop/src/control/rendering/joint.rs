@@ -9,8 +9,8 @@
 /// ```
 ///
 /// with m = ½, the middle of the tick, where the spring's energy is exact. Taken at the tick's end (m = 1), a spring takes in at
-/// least the energy that it then holds; this is done in the tick in which the bodies meet, and where the spring is too stiff for
-/// the tick.
+/// least the energy that it then holds. It is taken so in the tick in which the bodies meet, and always if it is too stiff for the
+/// tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Joint {
     /// Inertia of the cap on the rig's side of the torque sensor, rotor included, mNm·s²/rad.
