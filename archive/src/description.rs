@@ -115,7 +115,8 @@ pub(crate) fn capture_metadata(description: &RunDescription) -> mcap::records::M
         metadata.insert(format!("device_code.{code}"), meaning.clone());
     }
     for (name, text) in notes {
-        metadata.insert(format!("note.{name}"), text.clone());
+        let note = metadata.entry(format!("note.{name}"));
+        note.and_modify(|known| *known += &format!("; {text}")).or_insert_with(|| text.clone());
     }
     mcap::records::Metadata { name: CAPTURE_METADATA.to_owned(), metadata }
 }

@@ -257,8 +257,12 @@ impl Rows {
     fn store_into(mut self, capture: &mut Capture) {
         let last = |name| self.named(name)?.last();
         let at_fault = last("state") == Some(f64::from(LoopState::Fault.code()));
-        let measured = |name| last(name).is_none_or(f64::is_finite);
-        if at_fault && !(measured("angle_rad") && measured("torque_mnm")) {
+        // A channel that the rig lacks has no value at all.
+        let is_measured =
+            |name| self.named(name).is_none_or(|values| !values.has_any() || values.last().is_none_or(f64::is_finite));
+        if at_fault
+            && !["angle_rad", "torque_mnm", "acceleration_rad_s2", "measured_after_s"].into_iter().all(is_measured)
+        {
             self.0.iter_mut().for_each(Values::pop);
             capture.unmeasured_samples += 1;
         }

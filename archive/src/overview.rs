@@ -15,7 +15,7 @@ use crate::mcap_file::{read_records, recorded_gaps};
 use crate::parse::parse_record;
 use crate::rig_account::{Account, AccountFields, RigAccount};
 use crate::schema::{FieldLayout, Layout};
-use crate::sequence::SequenceLedger;
+use crate::sequence::{Gap, SequenceLedger};
 
 /// What a capture is and whether it is whole.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,7 +27,7 @@ pub struct Overview {
     /// From the first tick to the last, s.
     pub duration_s: f64,
     /// Runs of samples that were taken and are not there.
-    pub gaps: u64,
+    pub gaps: Vec<Gap>,
     /// Samples that were taken and are not there.
     pub lost_samples: u64,
     /// Ticks that the loop missed; `None` from a table.
@@ -113,10 +113,10 @@ impl Content {
                     // A repeated sample is counted once.
                     if self.ledger.admit(seq) {
                         self.account.take(&fields.account, body);
+                        self.first_tick.get_or_insert(tick);
+                        (self.last_tick, self.last_state) = (tick, state);
+                        self.missed_ticks += missed;
                     }
-                    self.first_tick.get_or_insert(tick);
-                    (self.last_tick, self.last_state) = (tick, state);
-                    self.missed_ticks += missed;
                 }
             }
             Record::Attachment { header, data, .. } if header.name == attachment::RUN => {
@@ -136,10 +136,10 @@ impl Content {
         }
         let rate_hz = self.description.as_ref().map(|run| run.rate_hz).filter(|rate| rate.is_finite() && *rate > 0.0);
         let rate_hz = rate_hz.ok_or_else(|| ArchiveError::NoRate { path: path.to_owned() })?;
-        let (gaps, lost_samples) = match recorded_gaps(&self.metadata) {
-            Some(gaps) => (gaps.len() as u64, gaps.iter().map(|gap| gap.count).sum()),
-            None => (self.ledger.gaps().len() as u64, self.ledger.missing()),
-        };
+        let recorded = recorded_gaps(&self.metadata);
+        let lost = |gaps: &Vec<Gap>| gaps.iter().map(|gap| gap.count).sum();
+        let lost_samples = recorded.as_ref().map_or_else(|| self.ledger.missing(), lost);
+        let gaps = recorded.unwrap_or_else(|| self.ledger.gaps().to_vec());
         let ticks = self.first_tick.map_or(0, |first| self.last_tick.saturating_sub(first));
         Ok(Overview {
             samples: self.ledger.admitted(),

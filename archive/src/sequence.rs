@@ -83,7 +83,7 @@ impl SequenceLedger {
     fn note_gap(&mut self, first: u64, last: u64) {
         let gap = Gap::between(first, last);
         self.missing += gap.count;
-        if self.gaps.last() != Some(&gap) && self.gaps.len() < LISTED_GAPS {
+        if self.gaps.len() < LISTED_GAPS {
             self.gaps.push(gap);
         }
     }

@@ -270,25 +270,26 @@ fn a_full_disk_is_reported_by_the_write_that_meets_it_and_by_every_later_one() {
 
 #[test]
 fn the_last_sample_of_a_run_whose_sensor_failed_shows_the_fault_and_is_no_measurement() {
-    let directory = tempdir().unwrap();
-    let path = directory.path().join("capture.mcap");
-    let mut file = std::io::Cursor::new(Vec::new());
-    let mut writer = archive::CaptureWriter::new(&mut file, &description()).unwrap();
-    for seq in 0..10 {
-        writer.sample(&sample(seq)).unwrap();
+    let with_acceleration = |seq| shared_types::Sample { acceleration_rad_s2: 1.0, ..sample(seq) };
+    let fault = shared_types::LoopState::Fault.code();
+    for failed in [
+        shared_types::Sample { angle_rad: f64::NAN, torque_mnm: f64::NAN, state: fault, ..with_acceleration(10) },
+        shared_types::Sample { acceleration_rad_s2: f64::NAN, state: fault, ..sample(10) },
+    ] {
+        let directory = tempdir().unwrap();
+        let path = directory.path().join("capture.mcap");
+        let mut file = std::io::Cursor::new(Vec::new());
+        let mut writer = archive::CaptureWriter::new(&mut file, &description()).unwrap();
+        for seq in 0..10 {
+            writer.sample(&with_acceleration(seq)).unwrap();
+        }
+        writer.sample(&failed).unwrap();
+        writer.finish().unwrap();
+        std::fs::write(&path, file.into_inner()).unwrap();
+        let capture = Capture::load(&path).unwrap();
+        assert_eq!(capture.len(), 10);
+        assert!(capture.gaps.is_empty());
     }
-    let failed = shared_types::Sample {
-        angle_rad: f64::NAN,
-        torque_mnm: f64::NAN,
-        state: shared_types::LoopState::Fault.code(),
-        ..sample(10)
-    };
-    writer.sample(&failed).unwrap();
-    writer.finish().unwrap();
-    std::fs::write(&path, file.into_inner()).unwrap();
-    let capture = Capture::load(&path).unwrap();
-    assert_eq!(capture.len(), 10);
-    assert!(capture.gaps.is_empty());
 }
 
 #[test]

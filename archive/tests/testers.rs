@@ -104,7 +104,7 @@ fn any_other_table_is_read_by_the_columns_that_its_owner_names() {
     assert_eq!(error, "FILE: it has no column `Angle`; it has the columns Zeit, Winkel, M");
     assert_eq!(
         choice("angle=W,torque=M", "torque=mm").unwrap_err().to_string(),
-        "`mm` is not a unit of torque; known are mNm, Nm, cNm, Ncm, Nmm, gfcm, gcm, ozin"
+        "`mm` is not a unit of torque; known are mNm, Nm, uNm, µNm, cNm, Ncm, Nmm, gfcm, gcm, ozin"
     );
     assert_eq!(
         choice("angle=W", "").unwrap_err().to_string(),
@@ -176,6 +176,15 @@ fn units_in_the_names_of_chosen_columns_are_converted() {
         assert!((curve.position[1] - std::f64::consts::PI).abs() < 1e-12, "{header}");
         assert!((curve.load[1] - 2.0).abs() < 1e-12, "{header}");
     }
+    // A row of units under that of the names is the header.
+    let text = table("time,angle,torque\nms,deg,Nm\n", |n| format!("{n},{},0.002", 180.0 * n));
+    let curve = read("units.csv", &text, Some(&chosen("time=ms,angle=deg,torque=Nm"))).unwrap();
+    assert!((curve.t_s.unwrap()[1] - 1e-3).abs() < 1e-12 && (curve.load[1] - 2.0).abs() < 1e-12);
+    let text = table("time (s),angle (counts),torque (N.m)\n", |n| format!("{n},{n},0.002"));
+    assert_eq!(
+        read("round.csv", &text, Some(&chosen("time=time (s),angle=angle (counts),torque=torque (N.m)"))).unwrap_err(),
+        "FILE: the unit in `angle (counts)` is none of angle; give its unit, as in angle=rad"
+    );
     let text = table("time,counts [counts],M\n", |n| format!("{n},{n},1"));
     assert_eq!(
         read("counts.csv", &text, Some(&chosen("time=time,angle=counts [counts],torque=M"))).unwrap_err(),

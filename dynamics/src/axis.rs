@@ -141,6 +141,7 @@ impl Quantity {
                 ("rad", 1.0),
                 ("mrad", 1e-3),
                 ("deg", std::f64::consts::PI / 180.0),
+                ("degrees", std::f64::consts::PI / 180.0),
                 ("°", std::f64::consts::PI / 180.0),
                 ("turn", std::f64::consts::TAU),
                 ("turns", std::f64::consts::TAU),
@@ -149,6 +150,8 @@ impl Quantity {
             Self::Torque => &[
                 ("mNm", 1.0),
                 ("Nm", 1e3),
+                ("uNm", 1e-3),
+                ("µNm", 1e-3),
                 ("cNm", 10.0),
                 ("Ncm", 10.0),
                 ("Nmm", 1.0),
@@ -173,7 +176,7 @@ impl Quantity {
         }
     }
 
-    /// The factor from `unit` to the instrument's unit, however a product is written: Nm, N m, N·m, N*m or N-m; `None` for a unit of
+    /// The factor from `unit` to the instrument's unit, however a product is written: Nm, N m, N·m, N*m, N.m or N-m; `None` for a unit of
     /// another quantity.
     ///
     /// ```
@@ -185,7 +188,7 @@ impl Quantity {
     /// ```
     #[must_use]
     pub fn factor(self, unit: &str) -> Option<f64> {
-        let plain = |unit: &str| unit.replace([' ', '·', '⋅', '*', '-'], "");
+        let plain = |unit: &str| unit.replace([' ', '·', '⋅', '*', '-', '.'], "");
         let unit = plain(unit);
         self.units().iter().find(|(name, _)| plain(name) == unit).map(|(_, factor)| *factor)
     }

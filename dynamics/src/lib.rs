@@ -63,6 +63,6 @@ pub use motion::Motion;
 pub use prediction::TorqueReader;
 pub use role::Role;
 pub use shift::shifted;
-pub use simulate::inner_body::{InnerBody, Resolution};
+pub use simulate::inner_body::Resolution;
 pub use toml_file::ModelError;
 pub use torque_table::{Curve, TorqueTable, TorqueTableError};

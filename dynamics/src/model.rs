@@ -1,6 +1,6 @@
 //! A model: a named list of effects.
 
-use crate::effects::backlash;
+use crate::effects::{backlash, shaft_compliance};
 use crate::{Axis, Coordinate, Direction, Effect, Motion, ParameterKind, Part, StickLimits};
 
 /// A knob as numbers: the list of its effects.
@@ -86,7 +86,7 @@ impl Model {
 
     /// This model with `inertia`, mNm·s²/rad, taken off its cap: the knob alone, if this is the model of a knob with its gripper.
     ///
-    /// The inner body behind a gap stays the same, so that its share of the remaining inertia is larger.
+    /// The inner body of a coupling stays the same, so that its share of the remaining inertia is larger.
     #[must_use]
     pub fn without_cap_inertia(&self, inertia: f64) -> Self {
         let left = (self.inertia() - inertia).max(0.0);
@@ -94,9 +94,16 @@ impl Model {
         for effect in &mut without.effects {
             if let Part::Inertia(_) = effect.kind().part {
                 effect.values_mut()[0] = left;
-            } else if std::ptr::eq(effect.kind(), &backlash::KIND) && left > 0.0 {
-                let share = &mut effect.values_mut()[backlash::INNER_SHARE];
-                *share = (*share * self.inertia() / left).min(1.0);
+            }
+            if let Part::Coupling(coupling) = effect.kind().part
+                && left > 0.0
+                && inertia != 0.0
+            {
+                let inner_share = (coupling(effect.values()).inner_share * self.inertia() / left).min(1.0);
+                match std::ptr::eq(effect.kind(), &backlash::KIND) {
+                    true => effect.values_mut()[backlash::INNER_SHARE] = inner_share,
+                    false => effect.values_mut()[shaft_compliance::OUTER_SHARE] = 1.0 - inner_share,
+                }
             }
         }
         without

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use crate::{Bristles, Coupling, Direction, Effect, InnerBody, Model, Motion, Part, Resolution, shifted};
+use crate::simulate::inner_body::InnerBody;
+use crate::{Bristles, Coupling, Direction, Effect, Model, Motion, Part, Resolution, shifted};
 
 /// Speed below which a model without stick of its own counts as resting, rad/s.
 const RESTING_RAD_S: f64 = 0.02;

@@ -204,7 +204,7 @@ fn model_of(effects: &[Named]) -> Model {
 fn parts_that_do_not_add_up_as_expected_are_reported() {
     let inertia: Named = ("inertia", &[0.1]);
     let friction: Named = ("friction", &[5.0, 6.0, 0.1, 0.1]);
-    let cases: [(&[Named], &[&str]); 9] = [
+    let cases: [(&[Named], &[&str]); 10] = [
         (&[inertia, friction, ("karnopp-stick", &[7.0, 7.0, 0.01])], &[]),
         (
             &[inertia, friction, ("karnopp-stick", &[4.0, 7.0, 0.01])],
@@ -221,6 +221,7 @@ fn parts_that_do_not_add_up_as_expected_are_reported() {
             &["harmonic_period is 0.11 rad and detent_period 0.1 rad"],
         ),
         (&[inertia, ("friction-drift", &[0.5, 0.7])], &["friction-drift acts on friction, and the model has none"]),
+        (&[inertia, ("stribeck", &[1.0, 0.5, 2.0]), ("friction-drift", &[0.5, 0.7])], &[]),
         (
             &[inertia, friction, ("karnopp-stick", &[4.0, 7.0, 0.01]), ("presliding-hysteresis", &[0.03, 0.02])],
             &["karnopp-stick does nothing beside presliding-hysteresis"],
@@ -234,4 +235,14 @@ fn parts_that_do_not_add_up_as_expected_are_reported() {
             assert!(note.contains(expected), "{note}");
         }
     }
+}
+
+#[test]
+fn the_knob_without_its_gripper_keeps_the_inner_body_behind_a_shaft() {
+    // 0.05 mNm·s²/rad behind the shaft, a gripper of 0.004 in front of it.
+    let with = model_of(&[("inertia", &[0.054]), ("shaft-compliance", &[500.0, 0.1, 0.004 / 0.054])]);
+    let knob = with.without_cap_inertia(0.004);
+    assert!((knob.inertia() - 0.05).abs() < 1e-12);
+    assert!((knob.coupling().unwrap().inner_share - 1.0).abs() < 1e-9);
+    assert_eq!(with.without_cap_inertia(0.0), with);
 }

@@ -161,6 +161,8 @@ pub struct Wiring {
     /// The contact is closed where this is above zero.
     contact: Option<Wire>,
     motor: Scaling,
+    /// The newest values of the device's channels.
+    newest: [f64; MOST_CHANNELS],
     angle_delay_s: f64,
     /// Part of the torque's delay that the driver adds by itself, s.
     pub known_delay_s: f64,
@@ -180,8 +182,8 @@ struct Wire {
 }
 
 impl Wire {
-    fn of(self, raw: &RawMeasurement) -> f64 {
-        self.factor * raw.values[self.index] + self.offset
+    fn of(self, values: &[f64; MOST_CHANNELS]) -> f64 {
+        self.factor * values[self.index] + self.offset
     }
 
     fn is_valid(self, raw: &RawMeasurement) -> bool {
@@ -264,6 +266,7 @@ impl Channels {
             acceleration: acceleration.as_ref().map(|given| of("acceleration", given)).transpose()?,
             contact: contact.as_ref().map(of_contact).transpose()?,
             motor: *motor,
+            newest: [0.0; MOST_CHANNELS],
             angle_delay_s: angle.delay_s,
             known_delay_s: 0.0,
             torque_delay_s: torque.delay_s - angle.delay_s,
@@ -280,16 +283,17 @@ impl Wiring {
         self.contact.is_some()
     }
 
-    /// Converts a device's reading to a measurement; `torque_mnm` is the motor's torque since the reading before. A measurement
-    /// whose angle or torque has no new value is stale.
-    #[must_use]
-    pub fn measurement(&self, raw: &RawMeasurement, torque_mnm: f64) -> Measurement {
+    /// Converts a device's reading to a measurement; `torque_mnm` is the motor's torque since the reading before. A channel without a new
+    /// value keeps the one before; a measurement whose angle or torque has no new value is stale.
+    pub fn measurement(&mut self, raw: &RawMeasurement, torque_mnm: f64) -> Measurement {
         let is_new = self.angle.is_valid(raw) && self.torque.is_none_or(|wire| wire.is_valid(raw));
+        let values = self.newest.iter_mut().zip(raw.values).enumerate();
+        values.filter(|(index, _)| raw.valid & (1 << index) != 0).for_each(|(_, (newest, value))| *newest = value);
         Measurement {
-            angle_rad: self.angle.of(raw),
-            acceleration_rad_s2: self.acceleration.map(|wire| wire.of(raw)),
-            torque_mnm: self.torque.map_or(torque_mnm, |wire| wire.of(raw)),
-            contact: self.contact.map(|wire| wire.of(raw) > 0.0),
+            angle_rad: self.angle.of(&self.newest),
+            acceleration_rad_s2: self.acceleration.map(|wire| wire.of(&self.newest)),
+            torque_mnm: self.torque.map_or(torque_mnm, |wire| wire.of(&self.newest)),
+            contact: self.contact.map(|wire| wire.of(&self.newest) > 0.0),
             after_s: raw.after_s - self.angle_delay_s,
             is_stale: !is_new,
             stale_code: 0,

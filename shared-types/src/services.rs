@@ -412,7 +412,10 @@ fn open_error(service: &'static str, layout: u64, error: PublishSubscribeOpenOrC
 
 /// A port that was made, after reserving every page that it can come to need: a write to a missing page would end the process.
 fn port<Port, Error: Debug>(service: &'static str, made: Result<Port, Error>) -> Result<Port, ServiceError> {
-    let port = made.map_err(|error| unavailable(service, &error))?;
+    let port = made.map_err(|error| match format!("{error:?}") {
+        reason if reason.starts_with("ExceedsMaxSupported") => ServiceError::Full { service },
+        _ => unavailable(service, &error),
+    })?;
     shared_memory::reserve()?;
     Ok(port)
 }

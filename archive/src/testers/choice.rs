@@ -160,16 +160,18 @@ impl ColumnChoice {
 /// The factor from the unit in a column's name to the instrument's unit; 1 if the name has no unit.
 ///
 /// # Errors
-/// [`ChoiceError::UnitInName`] if the text in square brackets, which can only be a unit, is no unit of the quantity.
+/// [`ChoiceError::UnitInName`] if the text in brackets at its end is no unit of the quantity.
 fn unit_in(name: &str, quantity: Quantity) -> Result<f64, ChoiceError> {
     let name = name.trim();
-    if let Some((_, unit)) = name.strip_suffix(']').and_then(|name| name.rsplit_once('[')) {
+    let bracketed = |open, close| name.strip_suffix(close).and_then(|name: &str| name.rsplit_once(open));
+    if let Some((_, unit)) = bracketed('[', ']').or_else(|| bracketed('(', ')')) {
         let unknown =
             || ChoiceError::UnitInName { name: name.to_owned(), quantity: quantity.name(), own: quantity.unit() };
         return quantity.factor(unit.trim()).ok_or_else(unknown);
     }
-    let end = name.strip_suffix(')').unwrap_or(name).rsplit_once(['(', '_', ' ', '/', ',']);
-    Ok(end.and_then(|(_, unit)| quantity.factor(unit.trim())).unwrap_or(1.0))
+    // A table may have its units in a row of their own, which is then the header.
+    let unit = name.rsplit_once(['_', ' ', '/', ',']).map_or(name, |(_, unit)| unit.trim());
+    Ok(quantity.factor(unit).unwrap_or(1.0))
 }
 
 /// The factor from a unit to the instrument's unit of the quantity.

@@ -17,8 +17,6 @@ pub(super) struct RawTable {
     pub(super) header: Vec<String>,
     /// The rows of numbers.
     pub(super) rows: Vec<csv::StringRecord>,
-    /// Line of the first row, counted from 1, without empty ones.
-    first_line: usize,
     /// What stands between cells.
     separator: u8,
 }
@@ -52,7 +50,6 @@ impl RawTable {
             .position(|record| record.iter().filter(|cell| table.number(cell).is_some()).count() > 1)
             .unwrap_or(records.len());
         table.rows = records.split_off(first);
-        table.first_line = first + 1;
         if records.last().is_some_and(|record| record.len() > 1 && !record.iter().any(|cell| cell.contains('=')))
             && let Some(header) = records.pop()
         {
@@ -82,15 +79,16 @@ impl RawTable {
         parse: impl Fn(&str) -> Option<T>,
         what: &str,
     ) -> Result<Vec<T>, String> {
-        let cell = |(row, record): (usize, &csv::StringRecord)| {
+        let cell = |record: &csv::StringRecord| {
             let text = record.get(index).unwrap_or_default();
             parse(text).ok_or_else(|| {
                 let shown: String = text.chars().take(QUOTED.1).collect();
                 let name = self.header.get(index).cloned().unwrap_or_else(|| (index + 1).to_string());
-                format!("line {}: `{shown}` in the column {name} is not {what}", self.first_line + row)
+                let line = record.position().map_or(0, csv::Position::line);
+                format!("line {line}: `{shown}` in the column {name} is not {what}")
             })
         };
-        self.rows.iter().enumerate().map(cell).collect()
+        self.rows.iter().map(cell).collect()
     }
 
     /// Place of a column by its name, whatever its case.

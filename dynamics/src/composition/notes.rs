@@ -131,12 +131,13 @@ fn held(model: &Model) -> Option<CompositionNote> {
 }
 
 fn friction(model: &Model, notes: &mut Vec<CompositionNote>) {
-    let Some(friction) = model.effect(effects::friction::KIND.name) else {
+    let is_friction = |part: Part| matches!(part, Part::Friction(_) | Part::FrictionTable(_));
+    if !model.effects.iter().any(|effect| is_friction(effect.kind().part)) {
         let modulates = |part: Part| matches!(part, Part::CoulombFactor(_) | Part::FrictionFactor(_));
         let idle = model.effects.iter().map(|effect| effect.kind()).filter(|kind| modulates(kind.part));
         notes.extend(idle.map(|kind| CompositionNote::NoFriction { effect: kind.name }));
-        return;
-    };
+    }
+    let Some(friction) = model.effect(effects::friction::KIND.name) else { return };
     let (coulomb, viscous) = friction.values().split_at(2);
     for (index, (coulomb, viscous)) in coulomb.iter().zip(viscous).enumerate() {
         if *viscous < 0.0 {

@@ -16,7 +16,7 @@ pub static KIND: EffectKind = EffectKind {
     parameters: &[
         ParameterKind {
             name: "inertia_variation",
-            unit: "mNm s2/rad",
+            unit: "mNm s²/rad",
             symbol: "D",
             description: "largest deviation from the mean inertia",
             minimum: Minimum::None,

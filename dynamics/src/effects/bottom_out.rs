@@ -36,7 +36,7 @@ pub static KIND: EffectKind = EffectKind {
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[0],
     }),
-    // A diagnosis looks for effects on rotary axes only, where this contact is called an `end-stop`.
+    // A diagnosis of a pressed control measures the curve over the travel, which includes this.
     hypothesis: None,
 };
 

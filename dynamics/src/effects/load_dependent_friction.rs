@@ -23,5 +23,5 @@ pub static KIND: EffectKind = EffectKind {
     steepest_mnm_rad: None,
     // Its column depends on the other effects' values.
     regressors: None,
-    hypothesis: Some(Hypothesis { searched: &[], nested: &[], lines: 1, least_turn_rad: None, per_capture: false }),
+    hypothesis: Some(Hypothesis::PLAIN),
 };

@@ -25,5 +25,5 @@ pub static KIND: EffectKind = EffectKind {
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[0],
     }),
-    hypothesis: Some(Hypothesis { searched: &[], nested: &[], lines: 1, least_turn_rad: None, per_capture: false }),
+    hypothesis: Some(Hypothesis::PLAIN),
 };

@@ -37,5 +37,5 @@ pub static KIND: EffectKind = EffectKind {
         },
         nonnegative: &[0],
     }),
-    hypothesis: Some(Hypothesis { searched: &[], nested: &[], lines: 1, least_turn_rad: None, per_capture: false }),
+    hypothesis: Some(Hypothesis::PLAIN),
 };

@@ -39,7 +39,7 @@ pub static KIND: EffectKind = EffectKind {
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[0],
     }),
-    // A diagnosis looks for effects on rotary axes only; of a pressed control it measures the curve.
+    // A diagnosis of a pressed control measures the curve over the travel, which includes this.
     hypothesis: None,
 };
 

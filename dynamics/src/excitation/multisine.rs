@@ -1,6 +1,6 @@
 //! Many sines at once.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{PI, SQRT_2, TAU};
 
 use serde::{Deserialize, Serialize};
 
@@ -53,8 +53,9 @@ impl Multisine {
             amplitudes += amplitude * amplitude;
             sum = sum + Jet { value: omega * time_s + phase, first: omega, second: 0.0 }.sin().scaled(amplitude);
         }
-        // Schroeder's phases keep the peak near 1.7 times the RMS of the sum.
-        let peak = 1.7 * (amplitudes / 2.0).sqrt();
+        // Schroeder's phases keep the peak of many sines near 1.7 times the RMS of the sum.
+        let crest = if self.tones == 1 { SQRT_2 } else { 1.7 };
+        let peak = crest * (amplitudes / 2.0).sqrt();
         sum.scaled(1.0 / peak) * Jet::smooth_step(time_s, FADE_IN_S)
     }
 }

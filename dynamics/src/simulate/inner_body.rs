@@ -18,7 +18,7 @@ const SLOW_PHASE: f64 = 1.0;
 /// to rest exactly and stays there until the load passes what it bears at rest. Friction with bristles gives way
 /// instead, its stiffness and damping being taken at the middle of the substep too.
 #[derive(Debug)]
-pub struct InnerBody<'model> {
+pub(crate) struct InnerBody<'model> {
     effects: SortedEffects<'model>,
     karnopp_limits: StickLimits,
     coupling: Coupling,
@@ -83,8 +83,7 @@ impl<'model> InnerBody<'model> {
     /// An inner body at rest in the middle of its gap under a cap at `angle_rad`.
     ///
     /// `knob` gives inertia, friction and detents; its own coupling is not looked at.
-    #[must_use]
-    pub fn at_rest(knob: &'model Model, coupling: Coupling, angle_rad: f64) -> Self {
+    pub(crate) fn at_rest(knob: &'model Model, coupling: Coupling, angle_rad: f64) -> Self {
         let [cap_inertia, inertia] = coupling.inertias(knob.inertia());
         let inertia = inertia.max(f64::MIN_POSITIVE);
         Self {
@@ -119,32 +118,13 @@ impl<'model> InnerBody<'model> {
     }
 
     /// Torque on the cap now, mNm.
-    #[must_use]
-    pub fn torque_mnm(&self, cap: &Motion) -> f64 {
+    pub(crate) fn torque_mnm(&self, cap: &Motion) -> f64 {
         self.coupling.torque_mnm(cap.angle_rad - self.angle_rad, cap.velocity_rad_s - self.velocity_rad_s)
     }
 
     /// Torque that the cap's own inertia takes, mNm.
     pub(crate) fn cap_mnm(&self, cap: &Motion) -> f64 {
         self.cap_inertia * cap.acceleration_rad_s2
-    }
-
-    /// Angle of the inner body, rad.
-    #[must_use]
-    pub fn angle_rad(&self) -> f64 {
-        self.angle_rad
-    }
-
-    /// Velocity of the inner body, rad/s.
-    #[must_use]
-    pub fn velocity_rad_s(&self) -> f64 {
-        self.velocity_rad_s
-    }
-
-    /// Deflection of the bristles of its friction; zero without bristles.
-    #[must_use]
-    pub fn deflection(&self) -> f64 {
-        self.deflection
     }
 
     /// Number of substeps that a sample takes.
@@ -156,7 +136,7 @@ impl<'model> InnerBody<'model> {
     ///
     /// Detents, springs and levels of friction are taken at the angle expected half a sample later and held over the sample: unlike
     /// contact and sticking, they change slowly compared with a sample.
-    pub fn advance(&mut self, from: &Motion, to: &Motion) {
+    pub(crate) fn advance(&mut self, from: &Motion, to: &Motion) {
         Self::advance_together(std::array::from_mut(self), from, to);
     }
 

@@ -16,7 +16,7 @@
 //! ([`crate::Bristles::bent`]), so only reversals are events. What a torque sensor reads besides the torque takes no
 //! part in the motion; [`crate::Model::knob_torque_mnm`] takes it off.
 //!
-//! Where the motion of the cap is given, [`crate::InnerBody`] follows it in fixed substeps, as a control loop needs it.
+//! Where the motion of the cap is given, `inner_body` follows it in fixed substeps.
 //!
 //! [`forward_windows`] compares a model's motion with a measured one, window by window, and
 //! [`forward_windows_from_command`] does so from the command to the rig's motor.

@@ -5,7 +5,7 @@ use crate::{Bristles, Model, Motion};
 
 /// Follows a measured motion and keeps track of bristles and inner body.
 ///
-/// [`crate::InnerBody`] does the same at a fixed small cost; but bodies that bounce off each other multiply errors, and
+/// `InnerBody` does the same at a fixed small cost; but bodies that bounce off each other multiply errors, and
 /// a prediction that starts on the wrong flank of a gap is lost.
 #[derive(Debug)]
 pub(super) struct Observer<'model> {

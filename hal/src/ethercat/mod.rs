@@ -76,6 +76,8 @@ pub struct EthercatRig {
     amiss: u32,
     pace: Pace,
     shift_ns: i64,
+    /// The torques of the exchange before the last one and of the last one, mNm.
+    sent_mnm: [f64; 2],
     is_on: bool,
 }
 
@@ -129,6 +131,7 @@ impl EthercatRig {
             amiss: 0,
             pace: Pace::new(rate_hz),
             shift_ns: 0,
+            sent_mnm: [0.0; 2],
             is_on: false,
         })
     }
@@ -220,7 +223,7 @@ impl EthercatRig {
     }
 
     /// What a whole exchange brought.
-    fn measured(&self, bus: &Bus, cycle: &Cycle, due_ns: u64, torque_mnm: f64) -> Measurement {
+    fn measured(wiring: &mut Wiring, bus: &Bus, cycle: &Cycle, due_ns: u64, acting_mnm: f64) -> Measurement {
         let mut raw = RawMeasurement { values: [0.0; MOST_CHANNELS], valid: u32::MAX, after_s: 0.0 };
         for (index, value) in raw.values.iter_mut().enumerate().take(bus.channels.len()) {
             *value = bus.channel(index);
@@ -228,7 +231,7 @@ impl EthercatRig {
         let after_ns = cycle.time_ns.wrapping_sub(due_ns).cast_signed();
         // Devices that are kept together take their inputs at SYNC0, others when they have the frame.
         raw.after_s = (after_ns - cycle.after_sync_ns.unwrap_or(0).cast_signed()) as f64 * 1e-9;
-        self.wiring.measurement(&raw, torque_mnm)
+        wiring.measurement(&raw, acting_mnm)
     }
 }
 
@@ -310,6 +313,10 @@ impl Apparatus for EthercatRig {
     fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
         let target_torque = thousandths(self.wiring.of_motor(torque_mnm), self.rated_torque_mnm);
         let wait_ns = self.wait_ns();
+        let [before_mnm, last_mnm] = self.sent_mnm;
+        self.sent_mnm = [last_mnm, torque_mnm];
+        // Devices whose clocks are kept together take their outputs a period later than others.
+        let acting_mnm = if self.settings.distributed_clocks { before_mnm } else { last_mnm };
         // A tick that does not hear of the devices' clocks follows the machine's.
         self.shift_ns = 0;
         let Stage::Running(bus) = &mut self.stage else { return Err(ApparatusError::Amplifier) };
@@ -335,7 +342,7 @@ impl Apparatus for EthercatRig {
         self.shift_ns = cycle.after_sync_ns.map_or(0, |after_ns| self.pace.shift_ns(after_ns));
         self.amiss = 0;
         let Stage::Running(bus) = &self.stage else { return Err(ApparatusError::Amplifier) };
-        Ok(self.measured(bus, &cycle, due_ns, torque_mnm))
+        Ok(Self::measured(&mut self.wiring, bus, &cycle, due_ns, acting_mnm))
     }
 
     fn shift_ns(&self) -> i64 {

@@ -17,8 +17,8 @@ const ETHERTYPE: u16 = 0x88a4;
 const SLOT: usize = 2048;
 /// Slots, some of which an earlier tick's late frames may take.
 const SLOTS: usize = 64;
-/// A block of memory holds whole slots.
-const BLOCK: usize = 4096;
+/// A block of memory holds whole slots and, of whatever size, whole pages.
+const BLOCK: usize = 65_536;
 /// Longest frame without its checksum, bytes.
 pub(super) const LONGEST: usize = 1514;
 

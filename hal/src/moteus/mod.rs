@@ -132,10 +132,9 @@ impl MoteusRig {
         })?;
         let described = file.description(&wiring)?;
         let most_torque_nm = wiring.of_motor(described.limits.motor_torque_mnm).abs();
-        let device = std::fs::canonicalize(port).map_or_else(|_| port.clone(), |path| path.to_string_lossy().into());
         let own = [("port".to_owned(), port.clone()), ("controller".to_owned(), id.to_string())];
         let description = RigDescription {
-            device: Some(device),
+            device: Some(port.clone()),
             calls: DeclaredCalls { names: CALLS.map(str::to_owned).into(), per_tick: CALLS_PER_TICK },
             codes: codes::all(),
             notes: described.notes.into_iter().chain(own).collect(),

@@ -31,6 +31,8 @@ pub struct PluginRig {
     description: RigDescription,
     library: OpenRig,
     wiring: Wiring,
+    /// The torque of the last exchange, mNm.
+    torque_mnm: f64,
     shift_ns: i64,
     asked_watchdog_s: f64,
     is_on: bool,
@@ -69,9 +71,7 @@ impl PluginRig {
         let described = library.describe().map_err(of_library)?;
         let wiring = channels.wire(&described.channels).map_err(|error| file.error(error))?.at_rate(rate_hz);
         let description = file.description(&wiring)?;
-        let device = file.device.clone().unwrap_or_else(|| {
-            std::fs::canonicalize(&path).unwrap_or_else(|_| path.clone()).to_string_lossy().into_owned()
-        });
+        let device = file.device.clone().unwrap_or_else(|| path.to_string_lossy().into_owned());
         let mut notes = description.notes;
         notes.push(("library".to_owned(), path.display().to_string()));
         notes.extend(described.name.map(|name| ("device".to_owned(), name)));
@@ -84,7 +84,8 @@ impl PluginRig {
             notes,
             ..description
         };
-        Ok(Self { description, library, wiring, shift_ns: 0, asked_watchdog_s: watchdog.timeout_s, is_on: false })
+        let asked_watchdog_s = watchdog.timeout_s;
+        Ok(Self { description, library, wiring, torque_mnm: 0.0, shift_ns: 0, asked_watchdog_s, is_on: false })
     }
 }
 
@@ -151,7 +152,10 @@ impl Apparatus for PluginRig {
         self.shift_ns = raw.shift_ns;
         let after_ns = if raw.time_ns == 0 { 0 } else { raw.time_ns.wrapping_sub(due_ns).cast_signed() };
         let read = RawMeasurement { values: raw.value, valid: raw.valid, after_s: after_ns as f64 * 1e-9 };
-        Ok(self.wiring.measurement(&read, torque_mnm))
+        let before_mnm = std::mem::replace(&mut self.torque_mnm, torque_mnm);
+        // A device that takes the torque with the exchange was measured while the torque before it still acted.
+        let acting_mnm = if self.library.takes_torque_at_once() { torque_mnm } else { before_mnm };
+        Ok(self.wiring.measurement(&read, acting_mnm))
     }
 
     fn write_torque(&mut self, torque_mnm: f64) -> Result<(), ApparatusError> {

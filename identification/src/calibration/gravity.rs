@@ -15,6 +15,7 @@ use super::estimate::{CalibrateError, Calibrated, Estimate};
 use super::regression::Band;
 use crate::Samples;
 use crate::numerics::derivative::gradient;
+use crate::numerics::lag::prompt;
 use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::uniform::Uniform;
 use crate::samples::span;
@@ -39,11 +40,12 @@ pub fn gravity(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     let delays = Calibration { acceleration_zero_rad_s2: 0.0, gravity_amplitude_rad_s2: 0.0, ..known.clone() };
     let uniform = Uniform::of(samples, Some(&delays));
     let Some(measured) = &uniform.acceleration_rad_s2 else { return Err(CalibrateError::NoAcceleration) };
+    let measured = prompt(measured, uniform.acceleration_lag_s, uniform.rate_hz);
     let band = Band { edge_hz: EDGE_HZ.min(0.2 * uniform.rate_hz), rate_hz: uniform.rate_hz };
 
     let angle_rad = band.smooth(&knob_angle_rad(&uniform.angle_rad, &uniform.torque_mnm, Some(known)));
     let acceleration = gradient(&gradient(&angle_rad, uniform.rate_hz), uniform.rate_hz);
-    let target: Vec<f64> = band.smooth(measured).iter().zip(&acceleration).map(|(seen, own)| seen - own).collect();
+    let target: Vec<f64> = band.smooth(&measured).iter().zip(&acceleration).map(|(seen, own)| seen - own).collect();
     let columns = [
         vec![1.0; angle_rad.len()],
         angle_rad.iter().map(|angle| angle.sin()).collect(),

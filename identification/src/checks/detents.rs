@@ -109,6 +109,10 @@ pub fn count_detents(samples: &Samples<'_>) -> Result<DetentCount, CountError> {
     if crossings.len() < 2 {
         return Err(CountError::NoneSeen { correlation: profile.correlation });
     }
+    // One spacing shows no scatter.
+    if crossings.len() < 3 {
+        return Err(CountError::TooLittleTravel { passed_rad: profile.mean_mnm.len() as f64 * TAU / BINS_PER_TURN });
+    }
     let intervals = crossings.len() - 1;
     let turned_rad = crossings[intervals] - crossings[0];
     let spacing_rad = turned_rad / intervals as f64;
@@ -118,7 +122,7 @@ pub fn count_detents(samples: &Samples<'_>) -> Result<DetentCount, CountError> {
     if uneven > UNEVEN {
         return Err(CountError::Uneven { scatter_percent: 100.0 * uneven });
     }
-    let freedom = (intervals - 1).max(1) as f64;
+    let freedom = (intervals - 1) as f64;
     // The mean spacing depends on the first and last crossing; each has the scatter of the crossings about even spacing.
     let scatter = crossings
         .iter()

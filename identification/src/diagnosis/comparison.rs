@@ -7,7 +7,7 @@ use super::capture::encoder_zero::EncoderZero;
 use super::search::found::Found;
 
 /// What is said where the held-out capture shows detents that the training capture does not.
-pub(crate) const BEYOND: &str = "the detents are unequal: where the held-out capture goes beyond the angles of the training capture it is \
+pub(crate) const BEYOND: &str = "the detents may be unequal: where the held-out capture goes beyond the angles of the training capture it is \
                       left out; capture a whole turn to have every detent";
 
 /// How the held-out capture is compared with the model.

@@ -204,7 +204,7 @@ fn prepare(
                 edge_hz = train.band.edge_hz.min(heldout.band.edge_hz);
             }
             Err(DiagnosisError::Capture { reason: reason @ FitError::HardlyMoving { .. }, which }) => {
-                return maps(parts, options.axis).ok_or(DiagnosisError::Capture { which, reason });
+                return maps(parts, options).ok_or(DiagnosisError::Capture { which, reason });
             }
             prepared => return prepared,
         }
@@ -215,8 +215,11 @@ fn prepare(
 type Part<'a> = (&'static str, &'a Samples<'a>, Stretches);
 
 /// Captures in which the knob was turned too slowly for its speed to be estimated, as maps of torque against angle.
-fn maps([train, heldout]: [Part<'_>; 2], axis: Axis) -> Option<[Capture; 2]> {
-    let of = |(_, samples, stretches): Part<'_>| Some(Capture::of_map(Map::of(samples, false)?, stretches).on(axis));
+fn maps([train, heldout]: [Part<'_>; 2], options: &DiagnoseOptions<'_>) -> Option<[Capture; 2]> {
+    let known = options.calibration.as_ref();
+    let of = |(_, samples, stretches): Part<'_>| {
+        Some(Capture::of_map(Map::of(samples, known, false)?, stretches).on(options.axis))
+    };
     Some([of(train)?, of(heldout)?])
 }
 

@@ -39,7 +39,7 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix
             let beside = Beside::of(&omitted, trimmed).filter(|beside| beside.is_separable);
             let Some(beside) = beside else { return shifts };
             let delayed = |delay_s: f64| row_filter.rows(&advance(torque_mnm, delay_s * rate_hz));
-            let (shift, left) = aligned(trimmed, robust, delay_s, Some(&beside), delayed);
+            let (shift, left, _) = aligned(trimmed, robust, delay_s, Some(&beside), delayed);
             if is_long && squares(&left) < fitted {
                 shifts.push(shift);
             }
@@ -49,9 +49,9 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix
     };
     if lag_rows >= LEAST_LAG_ROWS {
         let ahead = |lag_s: f64| row_filter.rows(&prompt(torque_mnm, lag_s, rate_hz));
-        let (shift, left) = aligned(trimmed, robust, delay_s, beside.as_ref(), ahead);
+        let (shift, left, lag_s) = aligned(trimmed, robust, delay_s, beside.as_ref(), ahead);
         // The slope adds noise. Behind the lag the residual is as noisy as that of the received torque, so that the sums of squares compare.
-        let left = lagged(&left, lag_rows);
+        let left = lagged(&left, lag_s * rate_hz / row_filter.step as f64);
         if squares(&left) < least * (1.0 + WORSE_BY / left.len() as f64) {
             shifts.push(shift);
         }
@@ -59,7 +59,7 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix
     shifts
 }
 
-/// The shift of the estimates with the torque aligned by `delay_s`, and the residual. The delay is refined if its column is given in
+/// The shift of the estimates with the torque aligned by `delay_s`, the residual and the delay, which is refined if its column is given in
 /// `beside`.
 fn aligned(
     Trimmed { columns, target, solution, .. }: &Trimmed<'_>,
@@ -67,7 +67,7 @@ fn aligned(
     mut delay_s: f64,
     beside: Option<&Beside>,
     align: impl Fn(f64) -> Vec<f64>,
-) -> (Shift, Vec<f64>) {
+) -> (Shift, Vec<f64>, f64) {
     let mut steps = if beside.is_some() { DELAY_STEPS } else { 1 };
     loop {
         let aligned = align(delay_s);
@@ -85,7 +85,7 @@ fn aligned(
                     variance * change * change.transpose()
                 });
                 let covariance = of_delay.map_or_else(|| robust.clone(), |of_delay| robust + of_delay);
-                return (Shift { change, covariance, is_of_better_model: true }, left);
+                return (Shift { change, covariance, is_of_better_model: true }, left, delay_s);
             }
         }
     }

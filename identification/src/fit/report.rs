@@ -40,6 +40,10 @@ pub(crate) struct Report<'a> {
 /// A parameter, with its derivatives by the coefficients if it is told and not held at zero.
 type Told = (Parameter, Option<RowDVector<f64>>);
 
+/// The reason why a coefficient that cannot be negative is not identifiable where more than chance holds it at zero: how far below zero the fit
+/// would go without that bound does not limit where it would be without what the model lacks.
+const DRIVEN: &str = "it would be negative: something that the model lacks drives the knob; diagnose the capture";
+
 impl<'a> Report<'a> {
     /// `near` are the rows plus those next to standstill that the fit leaves out; `None` if it leaves out none.
     pub(crate) fn new(
@@ -129,9 +133,11 @@ impl<'a> Report<'a> {
             let [below, above] = misfit.without_bounds(&derivatives, critical).unwrap_or([0.0; 2]);
             let half_textbook = NORMAL_95 * textbook[(position, position)].max(0.0).sqrt();
             let linear = (!searched_any && position < range.len()).then(|| range.start + position);
+            let held = linear.is_some_and(|column| self.trimmed.solution.at_zero[column]);
             let reason = linear.and_then(|column| {
                 self.at_one_speed(column, critical)
                     .or_else(|| self.beside_a_load(column, kind.name, critical))
+                    .or_else(|| (held && (above < 0.0 || misfit.note.is_some())).then(|| DRIVEN.to_owned()))
                     .or_else(|| self.why_not_identifiable(column, kind.name, by_chance))
                     .or_else(|| self.beside_what_is_omitted(column, kind.name, half))
             });
@@ -139,7 +145,6 @@ impl<'a> Report<'a> {
                 return (Parameter::not_identifiable(kind, reason), None);
             }
             let value = value - gripper;
-            let held = linear.is_some_and(|column| self.trimmed.solution.at_zero[column]);
             let low = if held { 0.0 } else { value - half.max(-below) };
             let half = if held { self.half_width_at_zero(range.start + position, critical) } else { half };
             let parameter = Parameter {

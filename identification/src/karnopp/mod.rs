@@ -147,7 +147,7 @@ impl Stick {
             )
         });
         match parameter.ci95 {
-            Some([low, high]) if low <= 0.0 => Parameter::not_identifiable(
+            Some([low, high]) if low <= 0.0 && high > 0.0 => Parameter::not_identifiable(
                 kind,
                 format!(
                     "the speed at which the knob comes to rest cannot be distinguished from zero: it is at most {high:.4} rad/s"
@@ -265,6 +265,11 @@ impl Readings {
         let difference = mean(&self.others) - value;
         let half = scatter.hypot(NORMAL_95 * difference / 3.0_f64.sqrt());
         let lowest = if kind.minimum == Minimum::None { f64::NEG_INFINITY } else { 0.0 };
+        if value + half < lowest {
+            let reason = "the knob breaks away against what should hold it: a weight or a spring pulls harder; balance it, or fit in \
+                          the middle of its travel";
+            return Parameter::not_identifiable(kind, reason.to_owned());
+        }
         let interval = |half: f64| [(value - half).max(lowest), value + half];
         Parameter {
             ci95_textbook: Some(interval(scatter)),

@@ -72,7 +72,7 @@ impl Saturation {
     }
 }
 
-/// Stretches where the encoder stood still while the knob turned on: the angle stops dead, or jumps afterwards.
+/// Stretches where the encoder stood still while the knob turned on: the angle stands still and then jumps.
 pub(crate) fn frozen(angle_rad: &[f64], torque_mnm: &[f64]) -> Vec<Range<usize>> {
     let mut runs = runs_of_equal(angle_rad);
     runs.retain(|run| run.len() >= SHORTEST_FROZEN);

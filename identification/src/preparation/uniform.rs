@@ -38,7 +38,7 @@ pub(crate) struct Uniform {
     pub(crate) torque_density: f64,
     /// Whether the grid point was measured; false inside gaps, and where a sensor was saturated or frozen.
     pub(crate) present: Vec<bool>,
-    /// Grid points that stand for lost samples.
+    /// Samples that are missing in gaps.
     pub(crate) lost: usize,
     /// What is wrong with sensors and samples, a sentence each.
     pub(crate) notes: Vec<String>,
@@ -107,7 +107,10 @@ impl Uniform {
         let sampled = |column: &[f64]| {
             points.iter().map(|(at, index, _)| between(&compressed, column, *index, *at, step)).collect()
         };
-        Self::of_columns(samples, step, points.iter().map(|point| point.2).collect(), sampled)
+        let gaps = steps.iter().filter(|passed| **passed > GAP * typical);
+        let missing = gaps.map(|passed| (passed / step).round() as usize - 1).sum();
+        let uniform = Self::of_columns(samples, step, points.iter().map(|point| point.2).collect(), sampled);
+        Self { lost: missing, ..uniform }
     }
 
     /// The columns on the grid, each as `sampled` there.

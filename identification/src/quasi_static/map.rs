@@ -1,6 +1,9 @@
 //! A capture as a map of torque over angle: the passes in either direction.
 
+use dynamics::Calibration;
+
 use crate::numerics::vector::{extent, smallest_step};
+use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::motion::KnobMotion;
 use crate::preparation::saturation::Saturation;
 use crate::samples::{FEWEST_SAMPLES, Samples};
@@ -33,9 +36,9 @@ pub(crate) struct Map {
 }
 
 impl Map {
-    /// The map of checked samples; `None` if the knob did not pass slowly through its travel. A curve has no duration, so that it is never
+    /// The map of checked samples, corrected by the rig's calibration; `None` if the knob did not pass slowly through its travel. A curve has no duration, so that it is never
     /// too fast.
-    pub(crate) fn of(samples: &Samples<'_>, is_curve: bool) -> Option<Self> {
+    pub(crate) fn of(samples: &Samples<'_>, known: Option<&Calibration>, is_curve: bool) -> Option<Self> {
         let saturation = Saturation::of(samples.torque_mnm);
         let step = smallest_step(samples.angle_rad);
         let duration_s = if is_curve { f64::INFINITY } else { samples.t_s.last()? - samples.t_s.first()? };
@@ -46,14 +49,17 @@ impl Map {
             return None;
         }
         let taken = |column: &[f64]| -> Vec<f64> { index.iter().map(|at| column[*at]).collect() };
-        let (time_s, angle_rad) = (taken(samples.t_s), taken(samples.angle_rad));
+        let zero_mnm = known.map_or(0.0, |known| known.torque_zero_mnm);
+        let torque_mnm: Vec<f64> = taken(samples.torque_mnm).iter().map(|torque_mnm| torque_mnm - zero_mnm).collect();
+        let time_s = taken(samples.t_s);
+        let angle_rad = knob_angle_rad(&taken(samples.angle_rad), &torque_mnm, known);
         let directions: Vec<i8> = index.iter().map(|at| directions[*at]).collect();
         let speed_rad_s = mean_speed_rad_s(&time_s, &angle_rad, &directions);
         let velocity_rad_s = directions.iter().map(|direction| f64::from(*direction) * speed_rad_s).collect();
         let rate_hz = (index.len() - 1) as f64 / (time_s[index.len() - 1] - time_s[0]);
         let columns = [time_s, angle_rad, velocity_rad_s, vec![0.0; index.len()]];
         let motion = KnobMotion::as_given(columns, 0.5 * rate_hz);
-        Some(Self { motion, torque_mnm: taken(samples.torque_mnm), directions, saturation, is_curve })
+        Some(Self { motion, torque_mnm, directions, saturation, is_curve })
     }
 
     /// The frictions of the directions that have enough rows.

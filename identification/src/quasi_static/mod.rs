@@ -22,7 +22,7 @@ pub(crate) use map::Map;
 
 /// Fits friction and the sinusoids of the angle to checked samples; `None` if the knob did not pass slowly through its travel.
 pub(crate) fn fit(samples: &Samples<'_>, options: &FitOptions) -> Option<Fit> {
-    let map = Map::of(samples, options.is_quasi_static)?;
+    let map = Map::of(samples, options.calibration.as_ref(), options.is_quasi_static)?;
     if options.characteristic {
         return characteristic::fit(samples, &map);
     }

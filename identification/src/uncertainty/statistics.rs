@@ -172,19 +172,23 @@ pub fn rms(values: &[f64]) -> f64 {
     (dot(values, values) / count).sqrt()
 }
 
-/// Correlation of the ranks of pairs (Spearman's); zero for fewer than three.
+/// Correlation of the ranks of pairs (Spearman's), equal values sharing a rank; zero for fewer than three pairs, or if all are equal.
 pub(crate) fn rank_correlation(pairs: &[[f64; 2]]) -> f64 {
     let ranks = |of: usize| {
         let mut order: Vec<usize> = (0..pairs.len()).collect();
         order.sort_by(|a, b| pairs[*a][of].total_cmp(&pairs[*b][of]));
+        let middle = 0.5 * (pairs.len() as f64 - 1.0);
         let mut ranks = vec![0.0; pairs.len()];
-        order.into_iter().enumerate().for_each(|(rank, index)| ranks[index] = rank as f64);
+        for run in runs(&order, |one, other| pairs[*one][of] == pairs[*other][of]) {
+            let shared = 0.5 * (run.start + run.end - 1) as f64 - middle;
+            order[run].iter().for_each(|index| ranks[*index] = shared);
+        }
         ranks
     };
     if pairs.len() < 3 {
         return 0.0;
     }
-    let count = pairs.len() as f64;
-    let squares: f64 = ranks(0).iter().zip(&ranks(1)).map(|(a, b)| (a - b).powi(2)).sum();
-    1.0 - 6.0 * squares / (count * (count * count - 1.0))
+    let (left, right) = (ranks(0), ranks(1));
+    let size = (dot(&left, &left) * dot(&right, &right)).sqrt();
+    if size > 0.0 { dot(&left, &right) / size } else { 0.0 }
 }

@@ -4,7 +4,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::common::{Capture, Uniform, measured};
+use crate::common::{Capture, Uniform, measured, run};
+use dynamics::{Calibration, Drive, knobs};
 use identification::diagnosis::{DiagnoseOptions, Verdict, diagnose};
 use identification::{Fit, FitError, FitOptions, Samples, fit};
 
@@ -176,4 +177,25 @@ fn a_measured_map_is_diagnosed_too() {
     let found = diagnose(&samples, None, &DiagnoseOptions::default()).unwrap();
     assert!(found.effects.contains(&"detent-harmonics"), "{}", found.summary);
     assert!(!found.complete && found.heldout_rms_after < found.heldout_rms_before, "{}", found.summary);
+}
+
+#[test]
+fn the_sensors_zero_is_taken_out_of_a_map() {
+    let mut random = Uniform(7);
+    let mut capture = stepped(&[(0.0, 6.3), (6.3, 0.0)], [9.0, 11.0], &[[12.0, 20.0, 0.3]], &mut random);
+    capture.torque_mnm.iter_mut().for_each(|torque| *torque += 30.0);
+    let rig = run(&knobs::paper_knob(1).unwrap(), "linear-chirp", Drive::Position, None, 0.1, 1).calibration.unwrap();
+    let known = Calibration { torque_zero_mnm: 30.0, ..rig };
+    let fit = fit(&capture.samples(), &FitOptions { calibration: Some(known), ..FitOptions::default() }).unwrap();
+    for (name, truth) in [("coulomb_negative", 9.0), ("coulomb_positive", 11.0)] {
+        assert!((value(&fit, name) - truth).abs() < 0.3, "{name}");
+    }
+}
+
+#[test]
+fn a_diagnosis_of_a_map_does_not_speak_of_speed() {
+    let [one, other] = [(3, 6.3), (4, -6.3)]
+        .map(|(seed, to)| stepped(&[(0.0, to), (to, 0.0)], [9.0, 11.0], &[[12.0, 20.0, 0.3]], &mut Uniform(seed)));
+    let found = diagnose(&one.samples(), Some(&other.samples()), &DiagnoseOptions::default()).unwrap();
+    assert!(!found.notes.iter().any(|note| note.contains("speed are correlated")), "{:?}", found.notes);
 }

@@ -18,6 +18,7 @@ mod few_periods;
 mod filters_match_scipy;
 mod foreign_loggers;
 mod hidden;
+mod hum_above_the_band;
 mod invariance;
 mod made_over;
 mod measured_axis;

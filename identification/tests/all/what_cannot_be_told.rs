@@ -1,7 +1,7 @@
 //! What a capture cannot tell is said in a sentence, and what it can tell is still told.
 
 use crate::common::{Uniform, ideal, knob, sweep};
-use dynamics::Motion;
+use dynamics::{Effect, Motion, effects};
 use identification::{FitError, FitOptions, Samples, fit};
 
 const KNOB: [f64; 8] = [0.1, 3.0, 4.0, 0.5, 0.6, 2.0, 0.05, 0.3];
@@ -108,4 +108,33 @@ fn lost_samples_leave_the_parameters_where_they_were() {
         let value = fit.parameters.get(name).unwrap().value.unwrap();
         assert!((value / truth - 1.0).abs() < 0.01, "{name} is {value}");
     }
+}
+
+#[test]
+fn friction_that_a_drag_takes_below_zero_has_no_interval() {
+    let mut knob = knob(&[0.1, 0.5, 0.5, 0.0, 0.0, 2.0, 0.05, 0.3]);
+    knob.effects.push(Effect::new(&effects::quadratic_drag::KIND, &[0.2]));
+    for seed in 1..=5 {
+        let capture = ideal(&knob, sweep("paper"), 0.5, &mut Uniform(seed));
+        let fit = fit(&capture.samples(), &FitOptions::default()).unwrap();
+        for name in ["coulomb_negative", "coulomb_positive"] {
+            assert!(reason(&fit, name).contains("something that the model lacks drives the knob"));
+        }
+    }
+}
+
+#[test]
+fn all_samples_that_a_long_gap_lost_are_counted() {
+    let mut capture = ideal(&knob(&KNOB), sweep("linear-chirp"), 0.5, &mut Uniform(5));
+    let is_kept = |index: usize| !(12_000..22_000).contains(&index);
+    for column in [&mut capture.t_s, &mut capture.angle_rad, &mut capture.torque_mnm]
+        .into_iter()
+        .chain(&mut capture.velocity_rad_s)
+        .chain(&mut capture.acceleration_rad_s2)
+    {
+        let mut index = 0..;
+        column.retain(|_| index.next().is_some_and(is_kept));
+    }
+    let fit = fit(&capture.samples(), &FitOptions::default()).unwrap();
+    assert_eq!(fit.preparation.lost_samples, 10_000);
 }

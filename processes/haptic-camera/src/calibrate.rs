@@ -99,7 +99,7 @@ fn capture(CalibrateOptions { what, pace, rig, .. }: &CalibrateOptions) -> anyho
         }
     };
     let interrupt = Interrupt::listen()?;
-    rig_run::archive(request, rig, &format!("calibrate-{}", what.subject()), &interrupt)
+    rig_run::archive(request, &rig.captures_in, rig.offline, &format!("calibrate-{}", what.subject()), &interrupt)
 }
 
 /// Writes the known calibration with the newly found values. Comments give the interval and the source of each new value; the

@@ -89,17 +89,17 @@ fn halves(halves: Option<(&str, &str)>) -> Option<(String, String)> {
 
 /// Composes a model and writes it; parts and values that do not fit are a [`UsageError`].
 pub fn run(options: &ComposeOptions) -> anyhow::Result<()> {
-    let sources = Sources::load(options)?;
+    let (parts, values) = sources(options)?;
     let composed = || {
-        let mut composition = sources.parts.composition()?;
-        sources.values.iter().try_for_each(|(name, source)| composition.take_parameter(name, source))?;
+        let mut composition = parts.composition()?;
+        values.iter().try_for_each(|(name, source)| composition.take_parameter(name, source))?;
         options.set.iter().try_for_each(|(name, value)| composition.set(name, *value))?;
         Ok(composition)
     };
     let composition: Composition = composed().map_err(|error: CompositionError| UsageError(error.into()))?;
     let of_file = || options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let name = options.name.clone().unwrap_or_else(of_file);
-    let model = composition.model(&name, &sources.parts.description());
+    let model = composition.model(&name, &parts.description());
     write(&options.out, options.replaced(), &model.to_toml())?;
     say(model.axis.words(&parts_table(&composition, &model).to_string()));
     let (out, count, steepest) = (options.out.display(), model.effects.len(), model.steepest_stiffness_mnm_rad());
@@ -112,28 +112,18 @@ pub fn run(options: &ComposeOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The models that parts and values come from.
-struct Sources {
-    parts: Parts,
-    values: Vec<(String, Source)>,
-}
-
-impl Sources {
-    fn load(options: &ComposeOptions) -> Result<Self, ModelError> {
-        let ComposeOptions { inertia, friction, detents, extra, from, .. } = options;
-        let roles = [(Role::Inertia, inertia), (Role::Friction, friction), (Role::Detents, detents)];
-        let role =
-            |(role, given): (Role, &Option<String>)| Some(Source::named(given.as_ref()?).map(|from| (role, from)));
-        let effect = |(source, effect): &(String, String)| Ok((effect.clone(), Source::named(source)?));
-        let value = |(name, source): &(String, String)| Ok((name.clone(), Source::named(source)?));
-        Ok(Self {
-            parts: Parts {
-                roles: roles.into_iter().filter_map(role).collect::<Result<_, _>>()?,
-                effects: extra.iter().map(effect).collect::<Result<_, ModelError>>()?,
-            },
-            values: from.iter().map(value).collect::<Result<_, ModelError>>()?,
-        })
-    }
+/// The models that parts come from, and those that values come from.
+fn sources(options: &ComposeOptions) -> Result<(Parts, Vec<(String, Source)>), ModelError> {
+    let ComposeOptions { inertia, friction, detents, extra, from, .. } = options;
+    let roles = [(Role::Inertia, inertia), (Role::Friction, friction), (Role::Detents, detents)];
+    let role = |(role, given): (Role, &Option<String>)| Some(Source::named(given.as_ref()?).map(|from| (role, from)));
+    let effect = |(source, effect): &(String, String)| Ok((effect.clone(), Source::named(source)?));
+    let value = |(name, source): &(String, String)| Ok((name.clone(), Source::named(source)?));
+    let parts = Parts {
+        roles: roles.into_iter().filter_map(role).collect::<Result<_, _>>()?,
+        effects: extra.iter().map(effect).collect::<Result<_, ModelError>>()?,
+    };
+    Ok((parts, from.iter().map(value).collect::<Result<_, ModelError>>()?))
 }
 
 /// Number of parameters of one effect beyond which zeros are left out: they stand for harmonics that are absent.

@@ -8,12 +8,12 @@ use comfy_table::{ContentArrangement, Table, presets};
 use nix::sys::resource::{Resource, getrlimit};
 use nix::unistd::geteuid;
 use rt_loop::plan::Plan;
-use rt_loop::request::RunRequest;
 use shared_types::clean_up::files_in_shared_memory;
 use shared_types::rig;
 use shared_types::shared_memory::NEEDED_BYTES;
 
 use crate::outcome::{Outcome, say};
+use crate::rigs::RigFileOptions;
 use crate::supervision::program_path;
 use crate::terminal::WIDTH;
 
@@ -111,12 +111,8 @@ fn leftovers() -> String {
 
 /// Whether the driver that the rig's file names is available, and what stands in its way; the amplifier stays off.
 fn rig_file(path: &Path) -> Vec<(&'static str, Finding)> {
-    let mut request = RunRequest { torque: true, ..RunRequest::default() };
-    request.rig.rig = Some(path.to_owned());
-    let made = rt_loop::rigs::file(&request.rig).and_then(|file| {
-        request.pace.rate_hz = file.rates.map_or(request.pace.rate_hz, |rates| rates.fastest_hz);
-        Plan::new(&request)
-    });
+    let options = RigFileOptions { file: path.to_owned(), rate_hz: None };
+    let made = options.torque_request(1.0).and_then(|request| Ok(Plan::new(&request)?));
     match made {
         Ok(plan) => {
             let name = &plan.rig.name;

@@ -110,11 +110,6 @@ pub fn write_results(results: &ResultFiles, loaded: &LoadedCapture, fit: &Fit) -
     results.write(fit.axis, || analysis::fit_page(loaded, fit), result)
 }
 
-/// Fits a capture with all that is known of its rig.
-pub fn fit_capture(loaded: &LoadedCapture) -> anyhow::Result<Fit> {
-    Ok(analysis::fit(loaded, PreparationMethod::default())?)
-}
-
 /// The fit for people, beside the true values where they are known.
 pub fn lines(truth: Option<&Model>, fit: &Fit) -> Vec<String> {
     let decimals = decimals(fit.mean_ci95_mnm);

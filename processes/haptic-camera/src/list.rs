@@ -10,11 +10,11 @@ use archive::{ArchiveError, Overview};
 use clap::Args;
 use dynamics::Axis;
 use foreign_files::TableError;
+use identification::PreparationMethod;
 use operator::one_line;
 use serde::{Deserialize, Serialize};
 use shared_types::RunDescription;
 
-use crate::fit::fit_capture;
 use crate::outcome::show;
 use crate::outputs::write_json;
 use crate::{load, terminal};
@@ -134,7 +134,7 @@ impl Entry {
             duration_s: Some(overview.duration_s),
             rate_hz: Some(overview.rate_hz),
             samples: Some(overview.samples),
-            gaps: Some(overview.gaps),
+            gaps: Some(overview.gaps.len() as u64),
             lost_samples: Some(overview.lost_samples),
             missed_ticks: overview.missed_ticks,
             stale_ticks: Some(overview.rig.stale_samples.values().sum()),
@@ -191,7 +191,8 @@ impl Quality {
         if samples > MOST_SAMPLES {
             return Self::default();
         }
-        let fitted = load::load(path).and_then(|loaded| fit_capture(&loaded)).ok();
+        let loaded = load::load(path).ok();
+        let fitted = loaded.and_then(|loaded| analysis::fit(&loaded, PreparationMethod::default()).ok());
         Self {
             relative_error_percent: fitted.as_ref().map(|fit| fit.relative_error_percent),
             mean_ci95_mnm: fitted.map(|fit| fit.mean_ci95_mnm),

@@ -5,13 +5,13 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use indicatif::ProgressBar;
+use indicatif::{ProgressBar, WeakProgressBar};
 use operator::visible;
 
 use crate::terminal::paragraph;
 
 /// The panel on the screen: hidden while something else is printed, then drawn again below.
-static PANEL: Mutex<Option<ProgressBar>> = Mutex::new(None);
+static PANEL: Mutex<Option<WeakProgressBar>> = Mutex::new(None);
 
 /// Whether standard output is reserved for the result as JSON; everything else then goes to standard error.
 pub static OUTPUT_IS_JSON: AtomicBool = AtomicBool::new(false);
@@ -124,14 +124,14 @@ fn note_output(printed: std::io::Result<()>) {
     }
 }
 
-/// Registers the panel that is suspended while anything is printed; `None` once it is gone.
-pub fn hold_panel(panel: Option<ProgressBar>) {
-    *PANEL.lock().unwrap_or_else(PoisonError::into_inner) = panel;
+/// Registers the panel that is suspended while anything is printed, for as long as its owner keeps it.
+pub fn hold_panel(panel: &ProgressBar) {
+    *PANEL.lock().unwrap_or_else(PoisonError::into_inner) = Some(panel.downgrade());
 }
 
 fn with_panel_suspended(print: impl FnOnce()) {
     let panel = PANEL.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    match panel {
+    match panel.and_then(|panel| panel.upgrade()) {
         Some(panel) => panel.suspend(print),
         None => print(),
     }

@@ -54,11 +54,11 @@ impl Files {
         self
     }
 
-    /// Adds a file that is written, if it was asked for, with what it may replace; `-` is standard output and not a file.
+    /// Adds a file that is written, if it was asked for, with what it may replace; a JSON file `-` is standard output and no file.
     pub fn writing<'path>(mut self, path: impl Into<Option<&'path PathBuf>>, replace: Replace) -> Self {
         let Some(path) = path.into() else { return self };
-        if path == "-" {
-            self.gives_json |= replace == kind::JSON;
+        if path == "-" && replace == kind::JSON {
+            self.gives_json = true;
         } else {
             self.outputs.push((path.clone(), replace));
         }

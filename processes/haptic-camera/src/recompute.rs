@@ -9,7 +9,7 @@ use dynamics::Axis;
 use hal::Measurement;
 use rt_loop::recomputation::{Recomputation, RecordedTick};
 use serde::Serialize;
-use shared_types::{LoopState, RunDescription, Sample};
+use shared_types::{LoopState, ModelChange, RunDescription, Sample};
 
 use crate::outcome::{Outcome, remark, show};
 use crate::outputs::write_json;
@@ -83,17 +83,32 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
     let state = capture.state.as_ref().with_context(|| lacks("state"))?;
     let mut step = Recomputation::new(run)?;
     let mut result = Recomputed { capture: capture.source.clone(), models: 1, equal: true, ..Recomputed::default() };
-    for row in 0..capture.len() {
+    let model_of = |tick: u64| capture.models.iter().find(|model| model.tick == tick && tick > 0);
+    let take_model = |step: &mut Recomputation, change: &ModelChange| {
+        anyhow::ensure!(step.take_model(change)?, "the model of tick {} came while another was waiting", change.tick);
+        Ok(())
+    };
+    let mut next_sample = 0;
+    'samples: for row in 0..capture.len() {
         let tick = capture.tick[row];
-        if capture.seq[row] != row as u64 {
-            result.missing_from_sample = Some(row as u64);
-            break;
+        // Samples without a measurement are not among a capture's rows, but the control step had them.
+        for sample in std::mem::replace(&mut next_sample, capture.seq[row] + 1)..capture.seq[row] {
+            let tick = tick.saturating_sub(capture.seq[row] - sample);
+            if capture.gaps.iter().any(|gap| (gap.first_missing_seq..=gap.last_missing_seq).contains(&sample)) {
+                result.missing_from_sample = Some(sample);
+                break 'samples;
+            }
+            if let Some(change) = model_of(tick) {
+                take_model(&mut step, change)?;
+                result.models += 1;
+            }
+            step.step(&RecordedTick { measurement: Measurement::stale(0), missed_ticks: 0 });
         }
         if flags[row] & Sample::MODEL_TAKEN != 0 {
-            let change = capture.models.iter().find(|model| model.tick == tick && tick > 0).with_context(|| {
+            let change = model_of(tick).with_context(|| {
                 format!("a model is rendered from tick {tick} on, but the archive does not have it")
             })?;
-            anyhow::ensure!(step.take_model(change)?, "the model of tick {tick} came while another was waiting");
+            take_model(&mut step, change)?;
             result.models += 1;
         }
         let measurement = Measurement {
@@ -102,7 +117,7 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
             torque_mnm: capture.torque_mnm[row],
             contact: None,
             after_s: capture.measured_after_s.as_ref().map_or(0.0, |column| column[row]),
-            is_stale: flags[row] & Sample::STALE != 0,
+            is_stale: false,
             stale_code: 0,
         };
         // A run that ends in a fault goes torque-free with its last sample, whatever the limit was.

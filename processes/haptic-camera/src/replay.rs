@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use archive::Overview;
 use clap::Args;
 use dynamics::Axis;
 use rt_loop::request::{HandRequest, LONGEST_DURATION_S, Pace, RenderingRequest, RigRequest, RunRequest};
@@ -9,7 +10,7 @@ use rt_loop::request::{HandRequest, LONGEST_DURATION_S, Pace, RenderingRequest, 
 use crate::command_line::RunOptions;
 use crate::outcome::{Outcome, say};
 use crate::outputs::ResultFiles;
-use crate::supervision::{Archived, Interrupt, ModelStart, RunEnd, Shown, SupervisedRun, claim_archive};
+use crate::supervision::{Interrupt, ModelStart, RunEnd, Shown, SupervisedRun, claim_archive};
 use crate::verify;
 
 /// Length of an offline replay, which nobody can stop by hand, s.
@@ -82,10 +83,7 @@ pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
     let in_words = in_words(options, axis, &request);
     let run = SupervisedRun::new(in_words, request, claim.archive().to_owned(), options.run.offline);
     let run = SupervisedRun { viewer: options.run.viewer(), shown: Shown::Rendering, ..run };
-    match run.take(&interrupt)? {
-        Some(end) => conclude(&run.archive, &end),
-        None => Ok(Outcome::Failed),
-    }
+    conclude(&run.archive, &run.take(&interrupt)?)
 }
 
 fn in_words(options: &ReplayOptions, axis: Axis, request: &RunRequest) -> String {
@@ -117,7 +115,7 @@ fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> {
     }
     say(format!("guard    dissipated energy in {} ticks", end.status.guarded_ticks));
     let Some(archive) = end.left_archive(archive) else { return Ok(end.outcome_without_archive()) };
-    let archived = Archived::read(&archive)?;
+    let archived = Overview::read(&archive)?;
     say(format!("archive  {} ({} samples)", archive.display(), archived.samples));
     Ok(end.settle(&archived))
 }

@@ -1,14 +1,13 @@
 //! One run of the rig that a command makes by itself, live or offline.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use archive::claim;
 use rt_loop::request::{Pace, RigRequest, RunRequest};
 
-use crate::command_line::RigOptions;
 use crate::outcome::Outcome;
-use crate::supervision::{Interrupt, SupervisedRun};
+use crate::supervision::{Interrupt, SupervisedRun, archive_stem};
 
 /// A run through a sweep without a knob: `on_it` is `none` or `locked`.
 pub fn request(on_it: &str, sweep: &str, duration_s: f64, pace: Pace, rig: RigRequest) -> RunRequest {
@@ -19,13 +18,13 @@ pub fn request(on_it: &str, sweep: &str, duration_s: f64, pace: Pace, rig: RigRe
 /// Makes the run in a folder of its own, named after its purpose; gives its archive, and whether data was lost.
 pub fn archive(
     request: RunRequest,
-    rig: &RigOptions,
+    captures_in: &Path,
+    offline: bool,
     purpose: &str,
     interrupt: &Interrupt,
 ) -> anyhow::Result<(PathBuf, Outcome)> {
-    let time = jiff::Zoned::now().strftime("%Y%m%d-%H%M%S");
-    let folder = claim::folder(&rig.captures_in, &format!("{time}-{purpose}"))
-        .with_context(|| format!("cannot create a folder in {}; choose another", rig.captures_in.display()))?;
+    let folder = claim::folder(captures_in, &archive_stem(purpose, ""))
+        .with_context(|| format!("cannot create a folder in {}; choose another", captures_in.display()))?;
     let turned = match request.knob_name() {
         "none" if request.torque => "driving whatever is on the rig",
         "none" => "turning the gripper alone",
@@ -38,5 +37,5 @@ pub fn archive(
     };
     let in_words = format!("{done} for {} s", request.duration_s);
     let archive = folder.join(format!("{}.mcap", request.knob_name()));
-    SupervisedRun::new(in_words, request, archive, rig.offline).complete(interrupt)
+    SupervisedRun::new(in_words, request, archive, offline).complete(interrupt)
 }

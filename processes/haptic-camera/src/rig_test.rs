@@ -48,7 +48,8 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     let interrupt = Interrupt::listen()?;
     let mut outcome = Outcome::Done;
     let mut made = |request, purpose| -> anyhow::Result<analysis::Commanded> {
-        let (archive, whole) = rig_run::archive(request, &options.rig, purpose, &interrupt)?;
+        let RigOptions { captures_in, offline, .. } = &options.rig;
+        let (archive, whole) = rig_run::archive(request, captures_in, *offline, purpose, &interrupt)?;
         outcome = outcome.worse(whole);
         let loaded = load::load(&archive)?;
         let description = loaded.capture.description.as_ref().context("the run has no description")?;

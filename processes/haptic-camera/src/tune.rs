@@ -41,10 +41,10 @@ pub fn run(options: &TuneOptions) -> anyhow::Result<()> {
         };
         apply(&options.settings, &mut wanted)?;
         let remarks = match link.send(&wanted, &present)? {
-            Sent::Taken(remarks) => remarks,
+            Ok(remarks) => remarks,
             // It was taken, and the answer lost.
-            Sent::Overtaken(newest) if newest.model == wanted => Vec::new(),
-            Sent::Overtaken(newest) => {
+            Err(newest) if newest.model == wanted => Vec::new(),
+            Err(newest) => {
                 remark("another `tune` changed the model first; the change was applied to its model");
                 present = newest;
                 continue;
@@ -85,21 +85,6 @@ fn read_present(revision: u64, model_toml: &str) -> anyhow::Result<Present> {
     Ok(Present { model: Model::from_toml(model_toml, "the rendered model")?, revision })
 }
 
-/// What became of a model that was sent.
-enum Sent {
-    /// It is felt; the sentences say where it feels different from the model.
-    Taken(Vec<String>),
-    /// Another model was sent first, and is the model now.
-    Overtaken(Present),
-}
-
-enum Asked {
-    Answer(ModelAnswer),
-    /// No control loop is there, or the one that was there dropped the request.
-    Nobody,
-    Silence,
-}
-
 impl LoopModels {
     fn open() -> anyhow::Result<Self> {
         let node = services::attach("tune")?;
@@ -119,8 +104,9 @@ impl LoopModels {
         }
     }
 
-    /// Sends a model that is to take the place of `present`.
-    fn send(&self, model: &Model, present: &Present) -> anyhow::Result<Sent> {
+    /// Sends a model that is to take the place of `present`. Gives sentences on where it feels different from the model; where
+    /// another model was sent first, that one.
+    fn send(&self, model: &Model, present: &Present) -> anyhow::Result<Result<Vec<String>, Present>> {
         let model_toml = model.to_toml();
         anyhow::ensure!(
             model_toml.len() <= MODEL_MAX_BYTES,
@@ -131,9 +117,9 @@ impl LoopModels {
         let deadline = Instant::now() + PATIENCE;
         loop {
             match self.ask(&request)? {
-                Some(ModelAnswer::Taken { remarks }) => return Ok(Sent::Taken(remarks)),
+                Some(ModelAnswer::Taken { remarks }) => return Ok(Ok(remarks)),
                 Some(ModelAnswer::Overtaken { revision, model_toml }) => {
-                    return read_present(revision, &model_toml).map(Sent::Overtaken);
+                    return read_present(revision, &model_toml).map(Err);
                 }
                 Some(ModelAnswer::Refused { reason }) => bail!(reason),
                 Some(ModelAnswer::Busy) if Instant::now() < deadline => std::thread::sleep(PAUSE),
@@ -148,40 +134,30 @@ impl LoopModels {
 
     /// A request and its answer; `None` when nobody is there to answer.
     fn ask(&self, request: &ModelRequest) -> anyhow::Result<Option<ModelAnswer>> {
-        let mut nobody = false;
+        let text = serde_json::to_vec(request).context("the model has no text form")?;
+        let mut alone = 0;
         for _ in 0..ATTEMPTS {
-            match self.ask_once(request)? {
-                Asked::Answer(answer) => return Ok(Some(answer)),
-                Asked::Nobody if nobody => return Ok(None),
-                Asked::Nobody => nobody = true,
-                Asked::Silence => {}
+            let place = self.client.loan_slice_uninit(text.len()).map_err(unsent)?;
+            let pending = place.write_from_slice(&text).send().map_err(unsent)?;
+            let deadline = Instant::now() + ANSWER;
+            let mut is_connected = pending.number_of_server_connections() > 0;
+            while is_connected && Instant::now() < deadline {
+                // Asked before the answer is received: an answer comes before its sender lets go.
+                is_connected = pending.is_connected();
+                if let Ok(Some(answer)) = pending.receive() {
+                    let answer = serde_json::from_slice(answer.payload())
+                        .context("the control loop's answer cannot be read; use programs of the same build")?;
+                    return Ok(Some(answer));
+                }
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            // No control loop is there, or the one that was there dropped the request.
+            alone += u32::from(!is_connected);
+            if alone > 1 {
+                return Ok(None);
             }
         }
         bail!("the control loop did not answer within {} s", (ATTEMPTS * ANSWER).as_secs())
-    }
-
-    fn ask_once(&self, request: &ModelRequest) -> anyhow::Result<Asked> {
-        let text = serde_json::to_vec(request).context("the model has no text form")?;
-        let place = self.client.loan_slice_uninit(text.len()).map_err(unsent)?;
-        let pending = place.write_from_slice(&text).send().map_err(unsent)?;
-        if pending.number_of_server_connections() == 0 {
-            return Ok(Asked::Nobody);
-        }
-        let deadline = Instant::now() + ANSWER;
-        while Instant::now() < deadline {
-            // Asked before the answer is received: an answer comes before its sender lets go.
-            let connected = pending.is_connected();
-            if let Ok(Some(answer)) = pending.receive() {
-                let answer = serde_json::from_slice(answer.payload())
-                    .context("the control loop's answer cannot be read; use programs of the same build")?;
-                return Ok(Asked::Answer(answer));
-            }
-            if !connected {
-                return Ok(Asked::Nobody);
-            }
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        Ok(Asked::Silence)
     }
 }
 

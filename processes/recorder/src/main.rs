@@ -24,7 +24,6 @@ use std::time::Duration;
 
 /// How often the queues are looked at. They hold sixteen seconds. With the publisher's cycle of a millisecond, this keeps a
 /// sample's latency below two milliseconds.
-/// below two.
 const POLL_INTERVAL: Duration = Duration::from_micros(250);
 
 /// Writes what a run publishes into one MCAP archive.

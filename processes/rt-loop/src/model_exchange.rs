@@ -2,6 +2,7 @@
 
 use dynamics::Model;
 use iceoryx2::port::update_connections::UpdateConnections as _;
+use operator::remark;
 use shared_types::services::{self, ModelServer, RigNode, ServiceError, TextPublisher};
 use shared_types::{LoopState, ModelAnswer, ModelChange, ModelRequest, RunDescription};
 
@@ -83,7 +84,7 @@ impl ModelExchange {
     /// Says if a model was taken that is never felt, since the run is over.
     pub(crate) fn close(&self) {
         if self.newest_waits {
-            tracing::warn!("the run ended before the last model could be rendered");
+            remark("the run ended before the last model could be rendered");
         }
     }
 

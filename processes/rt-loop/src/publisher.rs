@@ -168,7 +168,7 @@ impl StreamPublisher {
             let now_served = self.shared.served_ticks();
             idle_cycles = if now_served == served_ticks { idle_cycles + 1 } else { 0 };
             served_ticks = now_served;
-            if served_ticks > 0 && idle_cycles > HUNG_CYCLES {
+            if idle_cycles > HUNG_CYCLES {
                 self.models.close();
                 return Err(HungRig);
             }

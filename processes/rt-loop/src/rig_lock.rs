@@ -5,6 +5,7 @@ use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::io::{Read as _, Seek as _, Write as _};
 use std::os::linux::net::SocketAddrExt as _;
 use std::os::unix::net::{SocketAddr, UnixListener};
+use std::path::Path;
 
 use nix::fcntl::{Flock, FlockArg};
 use shared_types::rig;
@@ -91,13 +92,14 @@ pub struct DeviceLock {
 }
 
 impl DeviceLock {
-    /// Takes the device of a rig.
+    /// Takes the device of a rig; of a path, the file that it leads to.
     ///
     /// # Errors
     /// [`RigLockError`] when another process has it.
     pub fn take(rig: &str, device: &str) -> Result<Self, RigLockError> {
         let mut hasher = DefaultHasher::new();
-        device.hash(&mut hasher);
+        let file = if device.contains('/') { std::fs::canonicalize(device).ok() } else { None };
+        file.as_deref().unwrap_or(Path::new(device)).hash(&mut hasher);
         // Hashed, since a socket's name has at most 107 bytes.
         let name = format!("haptic-camera/device/{:016x}", hasher.finish());
         let bound = SocketAddr::from_abstract_name(name).and_then(|address| UnixListener::bind_addr(&address));

@@ -3,6 +3,7 @@
 mod encoder_noise;
 pub(crate) mod encoder_zero;
 mod floor;
+pub(crate) mod mains;
 pub(crate) mod periodogram;
 mod rest_noise;
 pub(crate) mod rows;
@@ -13,6 +14,7 @@ use std::f64::consts::TAU;
 
 use dynamics::{Axis, Calibration, Motion, Scene};
 
+use self::mains::MainsSpectrum;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::derivative::gradient;
 use crate::numerics::vector::{self, dot, smallest_step};
@@ -86,6 +88,8 @@ pub(crate) struct Capture {
     pub(crate) acceleration_noise_share: f64,
     /// Rows of the acceleration error that the encoder's steps cause, rad/s²; `None` where there is no such error.
     of_steps_rad_s2: Option<Vec<f64>>,
+    /// Spectra around the mains' frequencies, if these lie above the band.
+    pub(crate) mains: Option<MainsSpectrum>,
     /// Effective number of rows: each row counts by the square of its weight.
     pub(crate) weight: f64,
     angle_step_rad: f64,
@@ -114,9 +118,20 @@ impl Capture {
         let mut uniform = Uniform::of(samples, calibration);
         uniform.time_s.iter_mut().for_each(|time_s| *time_s -= start_s);
         let rate_hz = uniform.rate_hz;
+        let count = uniform.time_s.len();
+        // A line would not be one where every other stretch is left out.
+        let kept = match stretches {
+            Stretches::All => 0..count,
+            Stretches::Odd => 0..count / 2,
+            Stretches::Even => count / 2..count,
+        };
         let exact = KnobMotion::exact(&mut uniform, calibration);
         let band = Band::of(&uniform, exact.is_some(), calibration);
         let band = Band { edge_hz: edge_hz.min(WIDEST * rate_hz).min(band.clear_hz), ..band };
+        // An exact motion has no noise that would narrow the band.
+        let is_exact = exact.is_some();
+        let columns = [&uniform.torque_mnm, &uniform.angle_rad].map(Vec::as_slice);
+        let mains = if is_exact { None } else { MainsSpectrum::of(columns, kept, rate_hz, band.edge_hz) };
         let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &band, calibration, AccelerationUse::Best));
         let mut row_filter = RowFilter::new(&uniform, &motion, &band);
         let length = (STRETCH_S * rate_hz).round() as usize;
@@ -144,6 +159,7 @@ impl Capture {
             of_steps_rad_s2,
             acceleration_noise_share: acceleration_noise_rad_s2 / (dot(&acceleration, &acceleration) / weight).sqrt(),
             angle_step_rad: smallest_step(samples.angle_rad),
+            mains,
             ..Self::without_motion_noise(band, motion, row_filter, [torque, rate, curvature], white_mnm)
         };
         Ok(capture.since(start_s))
@@ -166,6 +182,7 @@ impl Capture {
             acceleration_noise_rad_s2: 0.0,
             of_steps_rad_s2: None,
             acceleration_noise_share: 0.0,
+            mains: None,
             weight: row_filter.weight(),
             angle_step_rad: smallest_step(&motion.angle_rad),
             motions: (0..motion.len()).map(|index| motion.at(index)).collect(),

@@ -1,6 +1,7 @@
 //! The torque sensor's noise, as it shows while the knob rests.
 
 use super::periodogram::periodogram;
+use crate::numerics::vector;
 use crate::preparation::motion::KnobMotion;
 use crate::preparation::row_filter::RowFilter;
 use crate::preparation::uniform::Uniform;
@@ -68,19 +69,7 @@ pub(super) fn in_rows_mnm(
 /// Takes the best parabola off evenly spaced values.
 fn remove_parabola(values: &mut [f64]) {
     let half = 0.5 * (values.len() as f64 - 1.0).max(1.0);
-    let at = |index: usize| (index as f64 - half) / half;
-    let count = values.len() as f64;
-    let mean_square = (0..values.len()).map(|index| at(index).powi(2)).sum::<f64>() / count;
-    // Three orthogonal polynomials over the values.
-    let basis: [&dyn Fn(f64) -> f64; 3] = [&|_| 1.0, &|x| x, &|x| x * x - mean_square];
-    for polynomial in basis {
-        let (mut product, mut square) = (0.0, 0.0);
-        for (index, value) in values.iter().enumerate() {
-            let p = polynomial(at(index));
-            product += p * value;
-            square += p * p;
-        }
-        let coefficient = if square > 0.0 { product / square } else { 0.0 };
-        values.iter_mut().enumerate().for_each(|(index, value)| *value -= coefficient * polynomial(at(index)));
-    }
+    let power = |power| (0..values.len()).map(|index| ((index as f64 - half) / half).powi(power)).collect();
+    let powers: [Vec<f64>; 3] = [0, 1, 2].map(power);
+    vector::take_out(&vector::orthonormal(&powers), values);
 }

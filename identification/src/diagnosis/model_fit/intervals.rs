@@ -17,20 +17,28 @@ use crate::uncertainty::statistics::student_95;
 /// allows for correlated residuals.
 pub(crate) fn of(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'static str, Value>> {
     let fit = Nonlinear::new(structure.clone(), capture);
-    values(&fit, &fit.secants())
+    values(&fit, &fit.secants(), &fit.residual)
 }
 
 /// As [`of`], but with the values that have a straight end held fixed. If a drift may as well be a straight line, only its slope is known: neither
 /// its extent nor its duration has a useful interval, though the drift is certain.
 pub(crate) fn given_straight_ends(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'static str, Value>> {
     let fit = Nonlinear::new(structure.clone(), capture);
-    let mut tangents = fit.secants();
-    fit.with_straight_end().for_each(|column| tangents[column].fill(0.0));
-    values(&fit, &tangents)
+    given_straight_ends_of(&fit, fit.secants(), &fit.residual)
 }
 
-fn values(fit: &Nonlinear<'_>, tangents: &[Vec<f64>]) -> Vec<BTreeMap<&'static str, Value>> {
-    let solved = LeastSquares::solve(tangents, &fit.residual);
+/// As [`given_straight_ends`], from the derivatives and the residual in other rows than the fit's own.
+pub(crate) fn given_straight_ends_of(
+    fit: &Nonlinear<'_>,
+    mut tangents: Vec<Vec<f64>>,
+    residual: &[f64],
+) -> Vec<BTreeMap<&'static str, Value>> {
+    fit.with_straight_end().for_each(|column| tangents[column].fill(0.0));
+    values(fit, &tangents, residual)
+}
+
+fn values(fit: &Nonlinear<'_>, tangents: &[Vec<f64>], residual: &[f64]) -> Vec<BTreeMap<&'static str, Value>> {
+    let solved = LeastSquares::solve(tangents, residual);
     let robust = solved.robust(tangents);
     let interval = |column: usize| {
         // If a search ended early, the interval includes the step that it still had to take.

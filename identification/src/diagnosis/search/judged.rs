@@ -8,11 +8,9 @@ use crate::diagnosis::model_fit::residuals;
 use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::vector::dot;
-use crate::regression::least_squares::{LeastSquares, residual};
+use crate::regression::least_squares::LeastSquares;
 use crate::uncertainty::statistics::{mean_over_error, student_above};
 
-/// Most steps from the values of one capture to those of both.
-const ROUNDS: usize = 3;
 /// Stretches over which a comparison of two structures is repeated.
 const BLOCKS: usize = 60;
 /// How much louder than the quietest tenth of a residual's stretches noise alone may be.
@@ -48,7 +46,7 @@ impl Judged {
         Self::of(fit.structure.clone(), fit.residual.clone(), train, heldout)
     }
 
-    fn of(structure: Structure, train_residual: Vec<f64>, train: &Capture, heldout: &Capture) -> Self {
+    pub(super) fn of(structure: Structure, train_residual: Vec<f64>, train: &Capture, heldout: &Capture) -> Self {
         let heldout_residual = residual_elsewhere(&structure, heldout);
         let rms = |residual: &[f64], capture: &Capture| (dot(residual, residual) / capture.weight).sqrt();
         let train_rms_mnm = rms(&train_residual, train);
@@ -74,51 +72,6 @@ impl Judged {
     /// The same structure judged by another held-out capture.
     pub(crate) fn judged_by(&self, train: &Capture, heldout: &Capture) -> Self {
         Self::of(self.structure.clone(), self.train_residual.clone(), train, heldout)
-    }
-
-    /// Evidence of the same effects with values fitted to both captures, by Gauss–Newton steps from the values of the training
-    /// capture, which may leave open values that the other capture shows. A structure with coupled bodies is taken as it is.
-    pub(crate) fn evidence_fitted_to_both(&self, train: &Capture, heldout: &Capture) -> f64 {
-        if self.structure.is_coupled() {
-            return self.evidence;
-        }
-        let mut best = self.clone();
-        for _ in 0..ROUNDS {
-            match best.step_to_both(train, heldout) {
-                Some(next) if next.evidence > best.evidence => best = next,
-                _ => break,
-            }
-        }
-        best.evidence
-    }
-
-    /// One Gauss–Newton step towards the values that explain both captures best; `None` where no value can be fitted.
-    fn step_to_both(&self, train: &Capture, heldout: &Capture) -> Option<Self> {
-        let fit = Nonlinear::new(self.structure.clone(), train);
-        let (of_train, mut of_heldout) = (fit.secants(), fit.in_capture(heldout).secants());
-        of_heldout.iter_mut().for_each(|column| heldout.leave_undetermined_out(column));
-        let joined = |train: &[f64], heldout: &[f64]| -> Vec<f64> {
-            let train = train.iter().map(|value| value / self.train_rms_mnm);
-            train.chain(heldout.iter().map(|value| value / self.heldout_rms_mnm)).collect()
-        };
-        let columns: Vec<Vec<f64>> =
-            of_train.iter().zip(&of_heldout).map(|(train, heldout)| joined(train, heldout)).collect();
-        let target = joined(&self.train_residual, &self.heldout_residual);
-        let collinear = LeastSquares::solve(&columns, &target).collinear;
-        // Steps are counted from each value's lower bound: a coefficient that cannot be negative then keeps the value above it.
-        let lowest: Vec<Option<f64>> = fit
-            .lowest_steps()
-            .into_iter()
-            .zip(&collinear)
-            .map(|(step, is_collinear)| Some(step).filter(|step| step.is_finite() && !is_collinear))
-            .collect();
-        let is_bounded: Vec<bool> = lowest.iter().map(Option::is_some).collect();
-        let lowest: Vec<f64> = lowest.into_iter().map(Option::unwrap_or_default).collect();
-        let above = LeastSquares::corrected(&columns, &residual(&columns, &target, &lowest), &is_bounded, &[]);
-        let step: Vec<f64> = above.coefficients.iter().zip(&lowest).map(|(above, lowest)| above + lowest).collect();
-        let moved = fit.moved(&step);
-        let train_residual = residuals::residual(&moved, train);
-        (above.fitted() > 0).then(|| Self::of(moved, train_residual, train, heldout))
     }
 
     /// The same judgement for an equivalent structure, which leaves the same residuals; only the cost of its freedom differs.

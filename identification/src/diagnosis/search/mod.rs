@@ -1,6 +1,7 @@
 //! Effect after effect is tried, added and, if others make it superfluous, taken out again.
 
 pub(crate) mod acceptance;
+pub(crate) mod both_captures;
 pub(crate) mod characteristic;
 pub(crate) mod found;
 pub(crate) mod hypotheses;
@@ -268,8 +269,19 @@ impl<'a> Search<'a> {
     pub(crate) fn is_worth_a_name(&self, before: &Judged, after: &Judged, found: &Found) -> bool {
         self.disqualified(after).is_none()
             && worthwhile(before, after, &found.base, self.heldout)
-            && (!self.is_nothing(after) || explains_surely(before, after))
+            && (!self.is_nothing(after) || explains_surely(before, after) || self.shows_in_both(before, after))
             && self.is_better_than_other_values(before, after)
+    }
+
+    /// Whether an effect that the training capture leaves open predicts the other one better than chance, and differs from zero in both
+    /// together.
+    fn shows_in_both(&self, before: &Judged, after: &Judged) -> bool {
+        if after.structure.is_coupled() || after.heldout_p_value(before) > FALSE_DISCOVERIES {
+            return false;
+        }
+        let both = after.fitted_to_both(self.train, self.heldout);
+        let values = both.intervals_from_both(self.train, self.heldout);
+        !trials::may_be_zero(&both.structure, values)
     }
 
     /// Whether one more effect explains both captures better than the earlier effects would with other values, which the training
@@ -278,7 +290,7 @@ impl<'a> Search<'a> {
         if after.structure.is_coupled() {
             return true;
         }
-        let [before, after] = [before, after].map(|judged| judged.evidence_fitted_to_both(self.train, self.heldout));
+        let [before, after] = [before, after].map(|judged| judged.fitted_to_both(self.train, self.heldout).evidence);
         after > before + EVIDENCE
     }
 

@@ -215,30 +215,7 @@ impl Search<'_> {
 
     /// Whether the last effect may be absent: the intervals of all parameters that scale its torque contain zero.
     pub(crate) fn is_nothing(&self, judged: &Judged) -> bool {
-        let Some(effect) = judged.structure.effects.last() else { return true };
-        let Some(values) = intervals::given_straight_ends(&judged.structure, self.train).pop() else { return true };
-        let searched = effect.kind().searches();
-        let is_strength = |index: usize, unit: &str| {
-            (unit.starts_with("mNm") || unit == "1") && searched.iter().all(|search| search.parameter != index)
-        };
-        let holds_zero = |parameter: &ParameterKind| match values.get(parameter.name) {
-            Some(Value { ci95: Some([low, high]), .. }) => *low <= 0.0 && 0.0 <= *high,
-            Some(Value { value, .. }) => *value == 0.0,
-            None => true,
-        };
-        let parameters = effect.kind().parameters;
-        let linear: Vec<&ParameterKind> = parameters
-            .iter()
-            .enumerate()
-            .filter(|(index, parameter)| effect.kind().regressors.is_some() && is_strength(*index, parameter.unit))
-            .map(|(_, parameter)| parameter)
-            .collect();
-        // A damper beside a spring is part of a contact, and without stiffness there is no contact.
-        let stiffnesses: Vec<&ParameterKind> =
-            linear.iter().copied().filter(|parameter| parameter.unit == "mNm/rad").collect();
-        let linear = if stiffnesses.is_empty() { linear } else { stiffnesses };
-        // An effect without a torque of its own is absent if its first parameter (a gap, a stiffness, a delay) is zero.
-        if linear.is_empty() { parameters.first().is_some_and(holds_zero) } else { linear.into_iter().all(holds_zero) }
+        may_be_zero(&judged.structure, intervals::given_straight_ends(&judged.structure, self.train))
     }
 
     /// Whether the last effect is the first torque that repeats with the angle: the detents, which the model lacks.
@@ -288,4 +265,31 @@ impl Search<'_> {
         (evidence(squares(&unequal), unequal.structure.freedom()) > evidence(squares(&bent), freedom + BEND))
             .then_some(unequal)
     }
+}
+
+/// Whether the last effect may be absent: the intervals of all parameters that scale its torque contain zero.
+pub(crate) fn may_be_zero(structure: &Structure, mut values: Vec<BTreeMap<&'static str, Value>>) -> bool {
+    let (Some(effect), Some(values)) = (structure.effects.last(), values.pop()) else { return true };
+    let searched = effect.kind().searches();
+    let is_strength = |index: usize, unit: &str| {
+        (unit.starts_with("mNm") || unit == "1") && searched.iter().all(|search| search.parameter != index)
+    };
+    let holds_zero = |parameter: &ParameterKind| match values.get(parameter.name) {
+        Some(Value { ci95: Some([low, high]), .. }) => *low <= 0.0 && 0.0 <= *high,
+        Some(Value { value, .. }) => *value == 0.0,
+        None => true,
+    };
+    let parameters = effect.kind().parameters;
+    let linear: Vec<&ParameterKind> = parameters
+        .iter()
+        .enumerate()
+        .filter(|(index, parameter)| effect.kind().regressors.is_some() && is_strength(*index, parameter.unit))
+        .map(|(_, parameter)| parameter)
+        .collect();
+    // A damper beside a spring is part of a contact, and without stiffness there is no contact.
+    let stiffnesses: Vec<&ParameterKind> =
+        linear.iter().copied().filter(|parameter| parameter.unit == "mNm/rad").collect();
+    let linear = if stiffnesses.is_empty() { linear } else { stiffnesses };
+    // An effect without a torque of its own is absent if its first parameter (a gap, a stiffness, a delay) is zero.
+    if linear.is_empty() { parameters.first().is_some_and(holds_zero) } else { linear.into_iter().all(holds_zero) }
 }

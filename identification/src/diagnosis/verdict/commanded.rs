@@ -6,6 +6,8 @@ use dynamics::{Calibration, Model, Motion};
 use super::FORWARD_WINDOW_S;
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::findings::ForwardFromCommand;
+use crate::regression::least_squares::LeastSquares;
+use crate::uncertainty::statistics::rms;
 
 /// Speed below which the motor's friction is not read off, as a share of the RMS speed.
 const SLOW: f64 = 0.1;
@@ -86,33 +88,17 @@ fn on_grid(t_s: &[f64], commanded_mnm: &[f64], capture: &Capture) -> Vec<f64> {
 /// torque sensor.
 fn motor(inertia: f64, capture: &Capture, commands_mnm: &[f64]) -> Option<RigMotor> {
     let torque_mnm = capture.torque_mnm(0.0);
-    let motions = capture.motions();
-    let squares: f64 = motions.iter().map(|motion| motion.velocity_rad_s.powi(2)).sum();
-    let slow_rad_s = SLOW * (squares / motions.len() as f64).sqrt();
-    // Normal equations of C·sgn(ω) + B·ω.
-    let (mut count, mut speeds, mut speed_squares, mut frictions, mut friction_speeds) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for (index, motion) in motions.iter().enumerate() {
-        let speed = motion.velocity_rad_s.abs();
-        // A command is held for one period, and a sample falls where one gives way to the next: their mean acts.
-        let command = 0.5 * (commands_mnm[index.saturating_sub(1)] + commands_mnm[index]);
-        let lost_mnm = command - torque_mnm[index] - inertia * motion.acceleration_rad_s2;
-        if speed <= slow_rad_s || !lost_mnm.is_finite() {
-            continue;
-        }
-        let friction_mnm = lost_mnm * motion.velocity_rad_s.signum();
-        count += 1.0;
-        speeds += speed;
-        speed_squares += speed * speed;
-        frictions += friction_mnm;
-        friction_speeds += friction_mnm * speed;
-    }
-    let determinant = count * speed_squares - speeds * speeds;
-    let coulomb_mnm = (frictions * speed_squares - friction_speeds * speeds) / determinant;
-    let viscous = (friction_speeds * count - frictions * speeds) / determinant;
+    let (motions, velocity) = (capture.motions(), &capture.motion.velocity_rad_s);
+    let slow_rad_s = SLOW * rms(velocity);
+    // A command is held for one period, and a sample falls where one gives way to the next: their mean acts.
+    let acting_mnm = |at: usize| 0.5 * (commands_mnm[at.saturating_sub(1)] + commands_mnm[at]);
+    let lost_mnm = |at: usize| acting_mnm(at) - torque_mnm[at] - inertia * motions[at].acceleration_rad_s2;
+    let is_known = |at: &usize| velocity[*at].abs() > slow_rad_s && lost_mnm(*at).is_finite();
+    let rows: Vec<usize> = (0..motions.len()).filter(is_known).collect();
+    let column = |of: &dyn Fn(usize) -> f64| rows.iter().map(|at| of(*at)).collect::<Vec<f64>>();
+    let columns = [column(&|at| velocity[at].signum()), column(&|at| velocity[at])];
+    let fitted = LeastSquares::solve(&columns, &column(&lost_mnm));
     // A negative estimate means that the friction is small and lost in the noise.
-    (coulomb_mnm.is_finite() && viscous.is_finite()).then(|| RigMotor {
-        inertia,
-        coulomb_mnm: coulomb_mnm.max(0.0),
-        viscous: viscous.max(0.0),
-    })
+    let [coulomb_mnm, viscous] = [0, 1].map(|at| fitted.coefficients[at].max(0.0));
+    (!fitted.collinear.contains(&true)).then_some(RigMotor { inertia, coulomb_mnm, viscous })
 }

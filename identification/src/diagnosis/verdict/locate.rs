@@ -59,7 +59,7 @@ pub(crate) fn locate(residual: &[f64], structure: &Structure, capture: &Capture)
             // Loops of hysteresis and inertia: the same speed, gaining or losing.
             take(&|index| motion(index).velocity_rad_s.abs() * motion(index).acceleration_rad_s2.signum())
         }),
-        ("acceleration", "rad/s2", take(&|index| motion(index).acceleration_rad_s2)),
+        ("acceleration", "rad/s²", take(&|index| motion(index).acceleration_rad_s2)),
         ("travel-since-reversal", "rad", take(&|index| travel[index])),
         ("load", "mNm", take(&|index| load[index])),
         ("time", "s", take(&|index| capture.start_s + motion(index).time_s)),

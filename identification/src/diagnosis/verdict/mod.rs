@@ -2,6 +2,7 @@
 
 pub(crate) mod commanded;
 pub(crate) mod experiment;
+mod hum;
 pub(crate) mod locate;
 mod shown_in_part;
 
@@ -176,6 +177,7 @@ impl Search<'_> {
             chain: found.models().map(|judged| judged.structure.model()).collect(),
             rows: rows::of(first, last, [self.train, self.heldout]),
         };
+        self.add_hum_above_the_band(&mut diagnosis, last);
         diagnosis.summary = diagnosis.in_one_sentence();
         let known = self.options.calibration.as_ref();
         let commanded = self.options.commanded.as_ref();
@@ -223,12 +225,18 @@ impl Search<'_> {
         let mut values = intervals::of(structure, self.train);
         let effects = structure.effects.iter().zip(&mut values);
         effects.for_each(|(effect, values)| shown_in_part::leave_out_intervals(effect, values));
-        let [borne, knob] = [structure.model(), self.knob(structure)];
-        for (values, (borne, knob)) in values.iter_mut().zip(borne.effects.iter().zip(&knob.effects)) {
-            for ((parameter, borne), (_, knob)) in borne.parameters().zip(knob.parameters()) {
-                if let Some(value) = values.get_mut(parameter.name) {
-                    value.value += knob - borne;
-                    value.ci95 = value.ci95.map(|ends| ends.map(|end| end + knob - borne));
+        // The gripper changes inertias and shares of them only.
+        for (index, values) in values.iter_mut().enumerate() {
+            let kinds = structure.effects[index].kind().parameters.iter().enumerate();
+            for (parameter, kind) in kinds.filter(|(_, kind)| ["1", "mNm s²/rad"].contains(&kind.unit)) {
+                let of_knob = |value: f64| {
+                    let mut moved = structure.clone();
+                    moved.effects[index].values_mut()[parameter] = value;
+                    self.knob(&moved).effects[index].values()[parameter]
+                };
+                if let Some(value) = values.get_mut(kind.name) {
+                    value.value = of_knob(value.value);
+                    value.ci95 = value.ci95.map(|ends| ends.map(of_knob));
                 }
             }
         }

@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use archive::claim::numbered;
-use archive::whole_file;
-use identification::Fit;
+use archive::{Overview, whole_file};
 use identification::live::Convergence;
+use identification::{Fit, PreparationMethod};
 use loaded_capture::LoadedCapture;
 
 use crate::outcome::{Outcome, remark, say};
 use crate::outputs::{ResultFiles, kind, show_on, write};
-use crate::supervision::{Archived, RunEnd};
+use crate::supervision::RunEnd;
 use crate::until_ci::{StopRule, open, share_words};
 use crate::{fit, load};
 
@@ -25,7 +25,7 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::
     }
     let Some((loaded, mut outcome)) = read_back(archive, end)? else { return Ok(end.outcome_without_archive()) };
     let archive = loaded.capture.source.display();
-    match fit::fit_capture(&loaded) {
+    match analysis::fit(&loaded, PreparationMethod::default()) {
         Ok(fitted) => {
             if let Err(error) = keep(&loaded, &fitted) {
                 remark(format!("{error:#}; the archive is kept: run `haptic-camera fit {archive}` to write them"));
@@ -96,6 +96,13 @@ pub(super) fn read_back(archive: &Path, end: &RunEnd) -> anyhow::Result<Option<(
     let Some(archive) = end.left_archive(archive) else { return Ok(None) };
     let loaded = load::load(&archive)?;
     say(format!("archive  {} ({} samples)", archive.display(), loaded.capture.len()));
-    let outcome = end.settle(&Archived::from(&loaded.capture));
+    let capture = &loaded.capture;
+    let outcome = end.settle(&Overview {
+        samples: capture.len() as u64 + capture.unmeasured_samples,
+        lost_samples: capture.gaps.iter().map(|gap| gap.count).sum(),
+        gaps: capture.gaps.clone(),
+        rig: capture.rig.clone(),
+        ..Overview::default()
+    });
     Ok(Some((loaded, outcome)))
 }

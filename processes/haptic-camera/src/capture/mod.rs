@@ -12,6 +12,7 @@ use clap::Args;
 use rt_loop::request::RunRequest;
 
 use crate::command_line::RunOptions;
+use crate::export::positive;
 use crate::outcome::Outcome;
 use crate::outputs::ResultFiles;
 use crate::supervision::{Interrupt, Shown, SupervisedRun, claim_archive};
@@ -53,7 +54,7 @@ pub struct CaptureOptions {
     #[arg(long, requires = "diagnose", default_value = "5", value_name = "CAPTURES|SECONDSs")]
     pub budget: Budget,
     /// Largest distance from the start to move the control in experiments, rad or mm [default: that of the first two captures]
-    #[arg(long, requires = "diagnose", value_name = "RAD", allow_negative_numbers = true)]
+    #[arg(long, requires = "diagnose", value_name = "RAD", value_parser = positive, allow_negative_numbers = true)]
     pub reach: Option<f64>,
     #[command(flatten)]
     pub results: ResultFiles,
@@ -74,10 +75,7 @@ pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
     }
     let claim = claim_archive(&options.run.out, options.request.knob_name(), "")?;
     let run = supervised(options, &claim);
-    match run.take(&interrupt)? {
-        Some(end) => finish::conclude(&run.archive, &end, options.request.duration_s),
-        None => Ok(Outcome::Failed),
-    }
+    finish::conclude(&run.archive, &run.take(&interrupt)?, options.request.duration_s)
 }
 
 fn supervised(options: &CaptureOptions, claim: &Claim) -> SupervisedRun {

@@ -4,6 +4,8 @@ use std::str::FromStr;
 
 use identification::diagnosis::Diagnosis;
 
+use crate::outcome::{remark, say};
+
 /// How much the knob may be turned: most captures, or most seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
@@ -54,33 +56,37 @@ impl Experiment {
     }
 }
 
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Next {
-    Experiment(Experiment, [String; 2]),
-    /// Nothing is in doubt.
-    Settled,
-    /// Rivals are left, and the budget is spent.
-    BudgetSpent,
-    /// Rivals are left that no experiment within reach can distinguish, or that the best experiment, already made, did not
-    /// distinguish.
-    Undecidable,
-}
-
-/// Decides what comes after `found`, which rests on the experiments `made`.
-pub(super) fn next(found: &Diagnosis, made: &[Experiment], duration_s: f64, budget: Budget) -> Next {
-    let tied = found.steps.iter().any(|step| !step.ties.is_empty());
+/// The experiment that comes after `found`, which rests on the experiments `made`; says what it is for, or why there is none.
+pub(super) fn next(found: &Diagnosis, made: &[Experiment], duration_s: f64, budget: Budget) -> Option<Experiment> {
+    let undecidable = "no experiment within reach discriminates between the remaining rivals; if the knob may be turned \
+                       further, give --reach";
+    let captures = made.len();
     let Some(proposed) = &found.next_experiment else {
-        return if tied { Next::Undecidable } else { Next::Settled };
+        if found.steps.iter().any(|step| !step.ties.is_empty()) {
+            remark(undecidable);
+        } else if found.is_floor_doubtful() {
+            remark(format!(
+                "no rivals are left after {captures} captures, but the noise floor, and so the verdict, is doubtful"
+            ));
+        } else {
+            say(format!("settled after {captures} captures"));
+        }
+        return None;
     };
     let experiment = Experiment { sweep: proposed.excitation.clone(), amplitude_rad: Some(proposed.amplitude_rad) };
-    let turned_s = made.len() as f64 * duration_s;
     if made.iter().any(|done| done.is_like(&experiment)) {
-        Next::Undecidable
-    } else if budget.permits(made.len(), turned_s, duration_s) {
-        Next::Experiment(experiment, proposed.tells_apart.clone())
-    } else {
-        Next::BudgetSpent
+        // The best experiment did not distinguish them.
+        remark(undecidable);
+        return None;
     }
+    if !budget.permits(captures, captures as f64 * duration_s, duration_s) {
+        remark(format!("rivals are left and the budget is spent after {captures} captures"));
+        return None;
+    }
+    let [one, other] = &proposed.tells_apart;
+    say("");
+    say(format!("capture {}: to discriminate between {one} and {other}", captures + 1));
+    Some(experiment)
 }
 
 #[cfg(test)]

@@ -10,23 +10,17 @@ use sheet::{Judgement, Sheet, Verdict};
 
 use super::CaptureOptions;
 use super::evidence::diagnosed;
-use super::next::{Experiment, Next, next};
+use super::next::{Experiment, next};
 use super::{finish, supervised};
 use crate::outcome::{Outcome, remark, say, show};
 use crate::outputs::{ResultFiles, kind, show_on, write};
-use crate::supervision::{Interrupt, claim_archive};
+use crate::supervision::{Interrupt, LoopSaidWhy, claim_archive};
 use crate::{diagnose, judge};
 
 /// The motion that is held out, unless it is the sweep asked for …
 const HELD_OUT: &str = "multisine";
 /// … and what is then held out.
 const HELD_OUT_OF_MULTISINE: &str = "stepped-amplitude";
-
-/// A finished capture and the motion that it was made with.
-struct Taken {
-    experiment: Experiment,
-    loaded: LoadedCapture,
-}
 
 /// Captures that are made one after the other.
 struct Series<'run> {
@@ -42,15 +36,12 @@ const TURN: (&str, f64) = ("slow-turn", 15.0);
 
 /// Turns the knob until its missing effects have names that nothing rivals, or the budget is spent.
 pub(super) fn until_named(options: &CaptureOptions, interrupt: &Interrupt) -> anyhow::Result<Outcome> {
-    if let Some(reach) = options.reach {
-        anyhow::ensure!(reach.is_finite() && reach > 0.0, "--reach is {reach} rad, but it must be greater than zero");
-    }
     let held_out = if options.request.sweep == HELD_OUT { HELD_OUT_OF_MULTISINE } else { HELD_OUT };
     let experiment = |sweep: &str| Experiment { sweep: sweep.to_owned(), amplitude_rad: options.request.amplitude };
-    let first = [options.request.sweep.as_str(), held_out].map(experiment);
+    let mut made = [options.request.sweep.as_str(), held_out].map(experiment).to_vec();
     let mut series = Series { options, interrupt, made: 0, worst: Outcome::Done };
-    let mut taken: Vec<Taken> = Vec::new();
-    for experiment in first {
+    let mut taken: Vec<LoadedCapture> = Vec::new();
+    for experiment in &made {
         match series.add(experiment)? {
             Ok(one) => taken.push(one),
             Err(cut) => return Ok(cut_short(cut, "no diagnosis: it needs two complete captures")),
@@ -58,7 +49,7 @@ pub(super) fn until_named(options: &CaptureOptions, interrupt: &Interrupt) -> an
     }
     let mut before: Option<Diagnosis> = None;
     loop {
-        let found = diagnosed(options, taken.iter().map(|one| &one.loaded).collect(), before.as_ref());
+        let found = diagnosed(options, taken.iter().collect(), before.as_ref());
         let found = match (found, before.take()) {
             (Ok(found), _) => found,
             (Err(error), Some(before)) => {
@@ -68,33 +59,25 @@ pub(super) fn until_named(options: &CaptureOptions, interrupt: &Interrupt) -> an
             }
             (Err(error), None) => return Err(error),
         };
-        let made: Vec<Experiment> = taken.iter().map(|one| one.experiment.clone()).collect();
-        let next = match next(&found, &made, options.request.duration_s, options.budget) {
-            _ if interrupt.is_noted() => None,
-            Next::Experiment(experiment, [one, other]) => {
-                say("");
-                say(format!("capture {}: to discriminate between {one} and {other}", taken.len() + 1));
-                Some(experiment)
-            }
-            end => {
-                tell_end(&end, &taken, found.is_floor_doubtful());
-                None
-            }
-        };
+        let next =
+            if interrupt.is_noted() { None } else { next(&found, &made, options.request.duration_s, options.budget) };
         let Some(experiment) = next else {
             conclude(options, &taken, &found)?;
             return Ok(series.worst);
         };
         // What was found before stands; the cut capture is kept, and is no evidence.
-        let cut = match series.add(experiment) {
+        let cut = match series.add(&experiment) {
             Ok(Ok(one)) => {
                 taken.push(one);
+                made.push(experiment);
                 before = Some(found);
                 continue;
             }
             Ok(Err(cut)) => cut,
             Err(error) => {
-                remark(format!("{error:#}"));
+                if !error.is::<LoopSaidWhy>() {
+                    remark(format!("{error:#}"));
+                }
                 None
             }
         };
@@ -109,12 +92,13 @@ pub(super) fn until_certain(options: &CaptureOptions, spec: &Path, interrupt: &I
     let specification = analysis::load_specification(spec)?;
     let mut options = options.clone();
     options.request.duration_s = TURN.1;
+    let turn = Experiment { sweep: TURN.0.to_owned(), amplitude_rad: options.request.amplitude };
     let mut series = Series { options: &options, interrupt, made: 0, worst: Outcome::Done };
     let mut curves: Vec<Curve> = Vec::new();
     let mut verdict = Verdict::Undecided;
     while verdict == Verdict::Undecided && curves.len() < options.turns as usize {
-        match series.add(Experiment { sweep: TURN.0.to_owned(), amplitude_rad: options.request.amplitude })? {
-            Ok(taken) => curves.push(taken.loaded.curve()),
+        match series.add(&turn)? {
+            Ok(loaded) => curves.push(loaded.curve()),
             Err(cut) => {
                 let outcome = cut_short(cut, "no verdict: it needs a complete slow turn");
                 return Ok(if outcome == Outcome::Done { Outcome::Undecided } else { outcome });
@@ -134,7 +118,7 @@ pub(super) fn until_certain(options: &CaptureOptions, spec: &Path, interrupt: &I
 
 impl Series<'_> {
     /// Makes one more capture; if it was cut short, the error is its outcome, `None` where it left no archive.
-    fn add(&mut self, experiment: Experiment) -> anyhow::Result<Result<Taken, Option<Outcome>>> {
+    fn add(&mut self, experiment: &Experiment) -> anyhow::Result<Result<LoadedCapture, Option<Outcome>>> {
         let mut options = self.options.clone();
         let RunRequest { sweep, amplitude, rig, .. } = &mut options.request;
         (*sweep, *amplitude) = (experiment.sweep.clone(), experiment.amplitude_rad);
@@ -144,14 +128,14 @@ impl Series<'_> {
         }
         let claim = claim_archive(&options.run.out, options.request.knob_name(), "")?;
         let run = supervised(&options, &claim);
-        let Some(end) = run.take(self.interrupt)? else { return Ok(Err(None)) };
+        let end = run.take(self.interrupt)?;
         let Some((loaded, outcome)) = finish::read_back(&run.archive, &end)? else { return Ok(Err(None)) };
         if outcome == Outcome::Failed || self.interrupt.is_noted() {
             return Ok(Err(Some(outcome)));
         }
         self.made += 1;
         self.worst = self.worst.worse(outcome);
-        Ok(Ok(Taken { experiment, loaded }))
+        Ok(Ok(loaded))
     }
 }
 
@@ -160,39 +144,23 @@ fn cut_short(cut: Option<Outcome>, lacks: &str) -> Outcome {
     cut.inspect(|_| remark(lacks)).unwrap_or(Outcome::Failed)
 }
 
-fn tell_end(end: &Next, taken: &[Taken], floor_is_doubtful: bool) {
-    let captures = taken.len();
-    match end {
-        Next::Settled if floor_is_doubtful => remark(format!(
-            "no rivals are left after {captures} captures, but the noise floor, and so the verdict, is doubtful"
-        )),
-        Next::Settled => say(format!("settled after {captures} captures")),
-        Next::BudgetSpent => remark(format!("rivals are left and the budget is spent after {captures} captures")),
-        Next::Undecidable => remark(
-            "no experiment within reach discriminates between the remaining rivals; if the knob may be turned \
-             further, give --reach",
-        ),
-        Next::Experiment(..) => {}
-    }
-}
-
 /// Tells the diagnosis and writes it beside the first capture.
-fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> anyhow::Result<()> {
+fn conclude(options: &CaptureOptions, taken: &[LoadedCapture], found: &Diagnosis) -> anyhow::Result<()> {
     let Some([first, held_out]) = taken.first_chunk() else { return Ok(()) };
-    let axis = first.loaded.capture.axis;
+    let axis = first.capture.axis;
     show([""]);
     show_on(axis, diagnose::text::lines(found));
-    let path = &first.loaded.capture.source;
+    let path = &first.capture.source;
     let beside = |extension: &str| {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         path.with_file_name(format!("{stem}-diagnosis.{extension}"))
     };
-    let model = analysis::diagnosed_model(found, &taken.iter().map(|one| &one.loaded).collect::<Vec<_>>());
+    let model = analysis::diagnosed_model(found, &taken.iter().collect::<Vec<_>>());
     write(&beside("toml"), kind::DIAGNOSED_MODEL, &model.to_toml())?;
     say(format!("model    {}", beside("toml").display()));
     let report = options.results.report.clone().unwrap_or_else(|| beside("html"));
     let results = ResultFiles { report: Some(report.clone()), ..options.results.clone() };
-    diagnose::write_results(&results, &options.recording, found, &first.loaded, Some(&held_out.loaded))?;
+    diagnose::write_results(&results, &options.recording, found, first, Some(held_out))?;
     say(format!("report   {}", report.display()));
     options.recording.iter().for_each(|path| say(format!("recording  {}", path.display())));
     Ok(())

@@ -47,9 +47,15 @@ impl Command {
                 .writing(&options.recording, kind::RECORDING),
             Self::Calibrate(options) => {
                 // The given calibration may be overwritten.
-                files.reading(&options.captures).writing(&options.out, options.replaced())
+                files
+                    .reading(&options.captures)
+                    .reading(&options.rig.request.rig)
+                    .writing(&options.out, options.replaced())
             }
-            Self::RigTest(options) => files.reading(&options.rig.request.calibration).telling(&options.results),
+            Self::RigTest(options) => files
+                .reading(&options.rig.request.rig)
+                .reading(&options.rig.request.calibration)
+                .telling(&options.results),
             Self::Check(options) => {
                 files.reading(&options.captures).reading(&options.model).writing(&options.json, kind::JSON)
             }

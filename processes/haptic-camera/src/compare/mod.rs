@@ -33,8 +33,7 @@ pub fn run(options: &CompareOptions) -> anyhow::Result<()> {
         }
     }
     let compared = comparing.comparison();
-    let mut axes = compared.knobs.iter().filter_map(|knob| knob.model.as_ref()).map(|model| model.axis);
-    let axis = axes.next().unwrap_or_default();
-    anyhow::ensure!(axes.all(|other| other == axis), "some of these are rotary and some linear; compare one kind");
+    let axes = compared.knobs.iter().filter_map(|knob| knob.model.as_ref()).map(|model| model.axis);
+    let axis = load::common_axis(axes)?;
     options.results.tell(axis, table::lines(&compared), &compared, || report::comparison_page(&compared))
 }

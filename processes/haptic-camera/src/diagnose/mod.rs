@@ -106,7 +106,7 @@ pub fn with_progress(
     diagnose: impl FnOnce(&(dyn Fn(Progress) + Sync)) -> anyhow::Result<Diagnosis>,
 ) -> anyhow::Result<Diagnosis> {
     let bar = terminal::bar(Some(1), "{bar:24} {pos}/{len} {msg}");
-    let found = diagnose(&|progress| match progress {
+    diagnose(&|progress| match progress {
         Progress::Tried { effect, done, of } => {
             bar.set_length(of as u64);
             bar.set_position(done as u64);
@@ -115,7 +115,5 @@ pub fn with_progress(
         Progress::Added { effect, heldout_over_floor } => {
             bar.println(format!("added {effect}: residual {heldout_over_floor:.2} times the noise"));
         }
-    });
-    bar.finish_and_clear();
-    found
+    })
 }

@@ -49,7 +49,7 @@ pub struct ExportOptions {
     pub along: Option<PathBuf>,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
     let number: f64 = text.parse().map_err(|_| "it is not a number".to_owned())?;
     if number.is_finite() && number > 0.0 { Ok(number) } else { Err("it must be greater than zero".to_owned()) }
 }
@@ -62,7 +62,10 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<()> {
     let model = || knobs::named(&options.source);
     let done = match (is_model, ending.as_str()) {
         (true, "h") => firmware_header(&model()?, options)?,
-        (true, "xml") => simulator::mjcf(&model()?, options)?,
+        (true, "xml") => {
+            let model = model()?;
+            simulator::write_export(options, &model, &simulator_formats::mjcf(&model))?
+        }
         (true, "urdf") => simulator::urdf(&model()?, options)?,
         (true, "fmu") => simulator::fmu(&model()?, options)?,
         (true, "json") => simulator::smartknob(options)?,

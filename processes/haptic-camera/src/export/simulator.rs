@@ -4,8 +4,8 @@ use anyhow::{Context as _, anyhow};
 use archive::whole_file::write_bytes;
 use dynamics::excitation::{Drive, Excitation};
 use dynamics::{Axis, Model, Motion, knobs};
-use serde::Serialize;
-use simulator_formats::{Export, SmartKnob, SmartKnobExport, fmi, isaac_lab, left_out_mnm};
+use serde_json::json;
+use simulator_formats::{Export, SmartKnobExport, fmi, isaac_lab, left_out_mnm};
 
 use super::ExportOptions;
 use crate::load;
@@ -21,7 +21,7 @@ const SWEEP_S: f64 = 6.0;
 const SWEEP_HZ: f64 = 2_000.0;
 
 /// Writes the file; gives what it leaves out, in words.
-fn write_export<Content: AsRef<[u8]>>(
+pub(super) fn write_export<Content: AsRef<[u8]>>(
     options: &ExportOptions,
     model: &Model,
     export: &Export<Content>,
@@ -36,10 +36,6 @@ fn in_words(axis: Axis, left_out_mnm: f64, along: &str, left_out: &[String]) -> 
     words += &format!(" along {along}");
     words.extend(left_out.iter().map(|left_out| format!("\n- {}", axis.words(left_out))));
     words
-}
-
-pub(super) fn mjcf(model: &Model, options: &ExportOptions) -> anyhow::Result<String> {
-    write_export(options, model, &simulator_formats::mjcf(model))
 }
 
 /// The URDF, and beside it the fields of Isaac Lab's actuators, for which URDF has no place.
@@ -60,19 +56,8 @@ pub(super) fn fmu(model: &Model, options: &ExportOptions) -> anyhow::Result<Stri
     write_export(options, model, &fmi::fmu(model, &library)?)
 }
 
-/// The message `SmartKnobConfig` of `proto/smartknob.proto` (github scottbez1/smartknob) in protobuf's own JSON, and what it
-/// leaves out.
-#[derive(Serialize)]
-struct SmartKnobFile {
-    smartknob_config: SmartKnob,
-    motor_mnm_per_v: f64,
-    /// RMS torque that is left out along the motion.
-    left_out_rms_mnm: f64,
-    along: String,
-    left_out: Vec<String>,
-}
-
-/// A model as SmartKnob's configuration.
+/// A model as SmartKnob's configuration, the message `SmartKnobConfig` of `proto/smartknob.proto` (github scottbez1/smartknob) in
+/// protobuf's own JSON, and what it leaves out.
 pub(super) fn smartknob(options: &ExportOptions) -> anyhow::Result<String> {
     let motor_mnm_per_v = options.motor_mnm_per_v.ok_or_else(|| {
         UsageError(anyhow!("SmartKnob's strengths are in volts; give the motor's torque per volt as --motor-mnm-per-v"))
@@ -80,13 +65,17 @@ pub(super) fn smartknob(options: &ExportOptions) -> anyhow::Result<String> {
     let model = knobs::named(&options.source)?;
     anyhow::ensure!(model.axis.is_rotary(), "{} has a linear axis; a SmartKnob is rotary", model.name);
     let (motions, along) = motion(options, model.axis)?;
-    let SmartKnobExport { knob, left_out, left_out_mnm } =
+    let SmartKnobExport { knob: smartknob_config, left_out, left_out_mnm: left_out_rms_mnm } =
         simulator_formats::smartknob(&model, motor_mnm_per_v, &motions);
-    let words = in_words(model.axis, left_out_mnm, &along, &left_out);
-    let file =
-        SmartKnobFile { smartknob_config: knob, motor_mnm_per_v, left_out_rms_mnm: left_out_mnm, along, left_out };
+    let file = json!({
+        "smartknob_config": smartknob_config,
+        "motor_mnm_per_v": motor_mnm_per_v,
+        "left_out_rms_mnm": left_out_rms_mnm,
+        "along": along,
+        "left_out": left_out,
+    });
     write_json(model.axis, &Some(options.out.clone()), &file)?;
-    Ok(words)
+    Ok(in_words(model.axis, left_out_rms_mnm, &along, &left_out))
 }
 
 /// The motion along which torques are compared, and what it is called.

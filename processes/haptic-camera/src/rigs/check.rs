@@ -8,7 +8,6 @@ use dynamics::Axis;
 use hal::RigFile;
 
 use super::RigFileOptions;
-use crate::command_line::RigOptions;
 use crate::outcome::{Outcome, remark, show};
 use crate::outputs::write_json;
 use crate::supervision::Interrupt;
@@ -31,8 +30,7 @@ pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
     let interrupt = Interrupt::listen()?;
     let folder = tempfile::tempdir()?;
     let request = options.rig.torque_request(options.duration_s)?;
-    let rig = RigOptions { request: request.rig.clone(), offline: false, captures_in: folder.path().to_owned() };
-    let (archive, _) = rig_run::archive(request, &rig, "rig-check", &interrupt)?;
+    let (archive, outcome) = rig_run::archive(request, folder.path(), false, "rig-check", &interrupt)?;
     let capture = load::load(&archive)?.capture;
     let axis = capture.axis;
     let mut found = RigCheck::of(&capture);
@@ -40,28 +38,22 @@ pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
     show(lines(&found, axis));
     write_json(axis, &options.json, &found)?;
     found.doubts.iter().chain(&found.amiss).for_each(|told| remark(axis.words(told)));
-    Ok(if found.amiss.is_empty() { Outcome::Done } else { Outcome::Failed })
+    Ok(if found.amiss.is_empty() { outcome } else { Outcome::Failed })
 }
 
-/// Usual ranges of a rotary rig's numbers, which a slip of three decimal places leaves: table and key, range, and unit.
-static USUAL: [(&str, &str, std::ops::RangeInclusive<f64>, &str); 4] = [
-    ("limits", "motor_torque_mnm", 5.0..=2e4, "mNm"),
-    ("limits", "speed_rad_s", 1.0..=1e3, "rad/s"),
-    ("watchdog", "timeout_s", 1e-3..=5.0, "s"),
-    ("calibration", "motor_inertia", 2e-4..=5.0, "mNm·s²/rad (1 g·cm² is 0.0001)"),
-];
-
-/// What in a rig's file looks like another unit, in sentences.
+/// What in a rotary rig's file looks like another unit, in sentences: what is out of a range that a slip of three decimal places
+/// leaves.
 fn doubts(file: &RigFile) -> anyhow::Result<Vec<String>> {
-    let values = [
-        file.limits.map(|limits| limits.motor_torque_mnm),
-        file.limits.map(|limits| limits.speed_rad_s),
-        file.watchdog.map(|watchdog| watchdog.timeout_s),
-        file.calibration()?.map(|calibration| calibration.motor_inertia),
+    let inertia = file.calibration()?.map(|calibration| calibration.motor_inertia);
+    let usual = [
+        ("[limits] motor_torque_mnm", file.limits.map(|limits| limits.motor_torque_mnm), 5.0..=2e4, "mNm"),
+        ("[limits] speed_rad_s", file.limits.map(|limits| limits.speed_rad_s), 1.0..=1e3, "rad/s"),
+        ("[watchdog] timeout_s", file.watchdog.map(|watchdog| watchdog.timeout_s), 1e-3..=5.0, "s"),
+        ("[calibration] motor_inertia", inertia, 2e-4..=5.0, "mNm·s²/rad (1 g·cm² is 0.0001)"),
     ];
-    let odd = USUAL.iter().zip(values).filter_map(|((table, key, usual, unit), value)| {
+    let odd = usual.into_iter().filter_map(|(key, value, usual, unit)| {
         let value = value.filter(|value| file.axis == Axis::Rotary && !usual.contains(value))?;
-        Some(format!("[{table}] {key} is {value}, which is unusual: is it in {unit}?"))
+        Some(format!("{key} is {value}, which is unusual: is it in {unit}?"))
     });
     Ok(odd.collect())
 }

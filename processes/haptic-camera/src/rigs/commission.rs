@@ -19,7 +19,7 @@ use shared_types::Fault;
 use toml_edit::{DocumentMut, Item, Value};
 
 use super::RigFileOptions;
-use crate::command_line::RigOptions;
+use crate::export::positive;
 use crate::outcome::{Outcome, remark, say};
 use crate::outputs::{is_same, write};
 use crate::supervision::{EndedInFault, Interrupt};
@@ -31,7 +31,7 @@ pub struct RigCommissionOptions {
     #[command(flatten)]
     pub rig: RigFileOptions,
     /// Largest torque to try, mNm, or force, N [default: a third of the limit]
-    #[arg(long, value_name = "MNM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MNM", value_parser = positive, allow_negative_numbers = true)]
     pub most_torque: Option<f64>,
     /// Write the rig file with the results here [default: FILE.toml itself]
     #[arg(long, value_name = "FILE.toml")]
@@ -74,6 +74,8 @@ const TOO_FAR: u32 = 5;
 const DIFFERENT: f64 = 1.5;
 /// Half width of an interval, as a share, beyond which the inertia is worth finding again.
 const VAGUE_SHARE: f64 = 0.2;
+/// Distance from a torque that moved the knob too far, as a share of it, within which no other is tried.
+const CLOSE_SHARE: f64 = 0.05;
 
 /// Turns the rig, more with every try, until its inertia is known, and writes it into the rig's file.
 pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
@@ -82,10 +84,9 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     let file = rt_loop::rigs::file(&request.rig)?;
     let limit_mnm = file.limits.map(|limits| limits.motor_torque_mnm);
     let most_mnm = options.most_torque.or(limit_mnm.map(|limit_mnm| MOST_SHARE * limit_mnm));
-    let Some(most_mnm) = most_mnm.filter(|most_mnm| most_mnm.is_finite() && *most_mnm > 0.0) else {
+    let Some(most_mnm) = most_mnm else {
         anyhow::bail!("the largest permitted torque is unknown; give --most-torque, or [limits] in the rig file");
     };
-    let rig = RigOptions { request: request.rig.clone(), offline: false, captures_in: options.captures_in.clone() };
     let axis = file.axis;
     let mut amplitude_mnm = FIRST_SHARE * most_mnm;
     let (mut sweep, mut ceiling_mnm, mut too_far) = (SLOW, f64::INFINITY, 0);
@@ -93,7 +94,7 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     loop {
         say(axis.words(&format!("trying   {amplitude_mnm:.3} mNm")));
         let tried = RunRequest { sweep: sweep.to_owned(), amplitude: Some(amplitude_mnm), ..request.clone() };
-        let archive = match rig_run::archive(tried, &rig, "rig-commission", &interrupt) {
+        let archive = match rig_run::archive(tried, &options.captures_in, false, "rig-commission", &interrupt) {
             Ok((archive, _)) => archive,
             Err(error) if too_far < TOO_FAR && fault_of(&error) == Some(Fault::Angle) => {
                 too_far += 1;
@@ -123,6 +124,12 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
             amplitude_mnm < most_mnm,
             "the knob does not move at {most_mnm} {}: check that the amplifier is on and [channels.motor] scale, or try more with \
              --most-torque",
+            axis.load_unit()
+        );
+        anyhow::ensure!(
+            ceiling_mnm - amplitude_mnm > CLOSE_SHARE * ceiling_mnm,
+            "{amplitude_mnm:.3} {} hardly move the knob, and a little more takes it out of the permitted range: widen [limits], or set the knob \
+             to the middle of its travel",
             axis.load_unit()
         );
         amplitude_mnm = (RISE * amplitude_mnm).min(most_mnm).min(0.5 * (amplitude_mnm + ceiling_mnm));
@@ -243,7 +250,10 @@ fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> 
         )));
     }
     let known = [("motor_inertia", has_sensor.then_some(motor.value)), ("angle_step_rad", last.angle_step_rad)];
-    enter(options, axis, known)?;
+    let own = &options.rig.file;
+    let text = std::fs::read_to_string(own).with_context(|| format!("{} cannot be read", own.display()))?;
+    let changed = with(&text, axis, known).with_context(|| format!("{} is not changed", own.display()))?;
+    write(path, options.replaced(), &changed)?;
     // Without a sensor nothing tells what was on the gripper.
     let (done, condition) = if has_sensor { ("written ", "") } else { ("write   ", ", if nothing was on the gripper") };
     say(format!("{done} motor_inertia = {motor} under [calibration] of {}{condition}", path.display()));
@@ -287,14 +297,6 @@ fn inertia(loaded: &LoadedCapture, torque_mnm: &[f64]) -> Option<Inertia> {
 
 /// What a commissioning finds out, by its name in a calibration.
 type Known = [(&'static str, Option<f64>); 2];
-
-/// Enters what is known of a rig into its file: its numbers change, its comments stay.
-fn enter(options: &RigCommissionOptions, axis: Axis, known: Known) -> anyhow::Result<()> {
-    let file = &options.rig.file;
-    let text = std::fs::read_to_string(file).with_context(|| format!("{} cannot be read", file.display()))?;
-    let changed = with(&text, axis, known).with_context(|| format!("{} is not changed", file.display()))?;
-    write(options.written(), options.replaced(), &changed)
-}
 
 /// The text of a rig file with what is known in it.
 fn with(text: &str, axis: Axis, known: Known) -> anyhow::Result<String> {

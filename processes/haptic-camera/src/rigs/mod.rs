@@ -119,10 +119,11 @@ fn scan(options: &RigScanOptions) -> anyhow::Result<Outcome> {
 
 impl RigFileOptions {
     /// A run that commands torques on the rig: zero, unless the caller sets others.
-    fn torque_request(&self, duration_s: f64) -> anyhow::Result<RunRequest> {
+    pub fn torque_request(&self, duration_s: f64) -> anyhow::Result<RunRequest> {
         let rig = RigRequest { rig: Some(self.file.clone()), ..RunRequest::default().rig };
         let file = rt_loop::rigs::file(&rig)?;
-        let fastest_hz = file.rates.map(|rates| rates.fastest_hz).or(file.limits.map(|limits| limits.rate_hz));
+        let fastest_hz = [file.rates.map(|rates| rates.fastest_hz), file.limits.map(|limits| limits.rate_hz)];
+        let fastest_hz = fastest_hz.into_iter().flatten().reduce(f64::min);
         let rate_hz = self.rate_hz.or(fastest_hz).unwrap_or(USUAL_RATE_HZ);
         let request = rig_run::request("none", "hold", duration_s, Pace { rate_hz, core: None }, rig);
         Ok(RunRequest { torque: true, ..request })

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
-use archive::Claim;
+use archive::{Claim, Overview};
 use rt_loop::LONGEST_PREPARATION_S;
 use rt_loop::request::RunRequest;
 use shared_types::clean_up::files_in_shared_memory;
@@ -31,14 +31,16 @@ pub(crate) use loop_link::unsent;
 use progress::Progress;
 pub(crate) use progress::Shown;
 use run_end::fault_words;
-pub(crate) use run_end::{Archived, EndedInFault, ModelStart, RunEnd};
+pub(crate) use run_end::{EndedInFault, ModelStart, RunEnd};
 
 /// Longest wait for the loop to be ready, beside the time that its rig may take to come up.
 const LOOP_READY: Duration = Duration::from_secs(10);
 /// Longest wait for the recorder to be ready; the history bridges a longer one.
 const RECORDER_READY: Duration = Duration::from_secs(3);
-/// Longest wait for the recorder to close its archive after the run, not counting long merges.
+/// Longest wait for the recorder to close its archive after the run, …
 const RECORDER_DONE: Duration = Duration::from_secs(120);
+/// … and how many samples it merges in a second at least, where it was started anew during the run.
+const MERGED_PER_S: u64 = 100_000;
 /// Silence of the control loop, which reports ten times a second, after which it is given up. A stall of the host is
 /// shorter; long before this the amplifier's watchdog has taken the torque away.
 const LOOP_HUNG: Duration = Duration::from_secs(10);
@@ -46,6 +48,7 @@ const LOOP_HUNG: Duration = Duration::from_secs(10);
 const LOOP_ENDS: Duration = Duration::from_secs(3);
 /// Exit statuses after which the loop itself has printed why it cannot run: an error, and wrong usage.
 const SAID_WHY: [i32; 2] = [1, 2];
+const SEE_DOCTOR: &str = "; run `haptic-camera doctor`";
 /// Age from which on a control loop holds its rig …
 const HOLDS_RIG: Duration = Duration::from_millis(100);
 /// … and from which on its services are there.
@@ -94,15 +97,15 @@ impl SupervisedRun {
         Self { in_words, request, offline, viewer: None, archive, until: None, shown: Shown::Time }
     }
 
-    /// Makes the run and its archive; `None` when the control loop itself said why it cannot run.
-    pub(crate) fn take(&self, interrupt: &Interrupt) -> anyhow::Result<Option<RunEnd>> {
+    /// Makes the run and its archive; [`LoopSaidWhy`] when the control loop cannot run.
+    pub(crate) fn take(&self, interrupt: &Interrupt) -> anyhow::Result<RunEnd> {
         interrupt.noted_during(|interrupted| self.take_until(interrupted))
     }
 
-    fn take_until(&self, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
+    fn take_until(&self, interrupted: &AtomicBool) -> anyhow::Result<RunEnd> {
         if self.offline {
             say(format!("{}, offline", self.in_words));
-            return offline_run::archive(&self.request, &self.archive, interrupted, self.until).map(Some);
+            return offline_run::archive(&self.request, &self.archive, interrupted, self.until);
         }
         if !self.request.is_open_ended() {
             large_job::tell(self.request.ticks());
@@ -113,7 +116,7 @@ impl SupervisedRun {
         // However the run went: the torque is ramped down, the loop ends, nothing stays behind.
         control_loop.end(LOOP_ENDS);
         clear_shared_memory();
-        if let Ok(Some(end)) = &mut end
+        if let Ok(end) = &mut end
             && !end.loop_failed
             && control_loop.exit_code() != Some(0)
         {
@@ -126,21 +129,21 @@ impl SupervisedRun {
     /// Makes a run and requires that it comes to its planned end; gives its archive and whether data was lost.
     pub(crate) fn complete(&self, interrupt: &Interrupt) -> anyhow::Result<(PathBuf, Outcome)> {
         let Self { in_words, archive, .. } = self;
-        let end = self.take(interrupt)?.ok_or(LoopSaidWhy)?;
+        let end = self.take(interrupt)?;
         let folder = archive.parent().unwrap_or(archive).display();
         anyhow::ensure!(!end.interrupted, "stopped by the operator; what was captured so far is in {folder}");
         if let Some(words) = end.fault_words() {
             return Err(EndedInFault { run: in_words.clone(), words, fault: Fault::from_code(end.status.fault) }.into());
         }
         let archive = end.left_archive(archive).with_context(|| format!("{in_words}: no archive was left"))?;
-        let outcome = end.settle(&Archived::read(&archive)?);
+        let outcome = end.settle(&Overview::read(&archive)?);
         anyhow::ensure!(outcome != Outcome::Failed, "{in_words}: did not finish");
         Ok((archive, outcome))
     }
 
-    /// From the loop's start to the archive's end; `None` when the loop itself said why it cannot run.
-    fn supervise(&self, control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
-        let Some(mut link) = wait_for_loop(control_loop, interrupted)? else { return Ok(None) };
+    /// From the loop's start to the archive's end.
+    fn supervise(&self, control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::Result<RunEnd> {
+        let mut link = wait_for_loop(control_loop, interrupted)?.ok_or(LoopSaidWhy)?;
         let mut consumers = Consumers::start(&self.archive, self.viewer, self.until, link.status.core)?;
         let ready_by = Instant::now() + RECORDER_READY;
         while link.health_of(ProcessKind::Recorder).is_none() && Instant::now() < ready_by {
@@ -157,11 +160,10 @@ impl SupervisedRun {
             let had_ended = control_loop.has_ended();
             control_loop.end(LOOP_ENDS);
             consumers.end();
-            let how = control_loop.end_in_words();
-            anyhow::ensure!(
-                !had_ended,
-                "the control loop ended before the run began ({how}); run `haptic-camera doctor`"
-            );
+            if had_ended {
+                say_why_unless_said(control_loop, "the control loop ended before the run began", SEE_DOCTOR);
+                return Err(LoopSaidWhy.into());
+            }
             return Err(error);
         }
         let mut rule = self.until.map(StopRule::new);
@@ -202,14 +204,15 @@ impl SupervisedRun {
             }
         }
         drop(progress);
-        let recorder_exit = consumers.finish_recorder(RECORDER_DONE, || {
+        let merging = Duration::from_secs(link.status.taken_samples() / MERGED_PER_S);
+        let recorder_exit = consumers.finish_recorder(RECORDER_DONE + merging, || {
             link.listen();
             !control_loop.has_ended()
         });
         let restarts = consumers.end();
         let LoopLink { status, run, models, .. } = link;
         let (interrupted, achieved) = (stopped_by_operator, rule);
-        Ok(Some(RunEnd { status, recorder_exit, restarts, run, models, interrupted, achieved, loop_failed }))
+        Ok(RunEnd { status, recorder_exit, restarts, run, models, interrupted, achieved, loop_failed })
     }
 }
 
@@ -265,8 +268,7 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
     let mut link: Option<LoopLink> = None;
     loop {
         if control_loop.has_ended() {
-            let next = "; run `haptic-camera doctor`";
-            say_why_unless_said(control_loop, "the control loop ended before it was ready", next);
+            say_why_unless_said(control_loop, "the control loop ended before it was ready", SEE_DOCTOR);
             return Ok(None);
         }
         if let Some(open) = &mut link {

@@ -67,7 +67,7 @@ impl Progress {
                 (None, _) => "{msg}",
             };
             let bar = terminal::bar(duration_s.map(steps), template);
-            hold_panel(Some(bar.clone()));
+            hold_panel(&bar);
             bar
         });
         let lines = duration_s.and_then(|duration_s| Duration::try_from_secs_f64(duration_s / LINES_PER_RUN).ok());
@@ -98,16 +98,6 @@ impl Progress {
                 }
                 bar.set_position(steps(link.elapsed_s()));
             }
-        }
-    }
-}
-
-/// However the run ends, the terminal is left as it was.
-impl Drop for Progress {
-    fn drop(&mut self) {
-        if let Some(bar) = &self.bar {
-            hold_panel(None);
-            bar.finish_and_clear();
         }
     }
 }

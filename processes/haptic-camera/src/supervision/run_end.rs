@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use archive::Overview;
 use archive::parts::fallback_dir;
-use archive::{ArchiveError, Capture, Gap, Overview, RigAccount};
 use hal::ApparatusError;
 use shared_types::{Fault, LoopStatus, ProcessKind, RunDescription};
 
@@ -86,7 +86,7 @@ impl RunEnd {
             return Some(found.to_owned());
         }
         remark(format!(
-            "the recorder could not close {}; its parts are in the same folder: run `haptic-camera recover {0} --out \
+            "the recorder could not close {}; its parts are there or in the temporary folder: run `haptic-camera recover {0} --out \
              WHOLE.mcap`",
             archive.display()
         ));
@@ -100,7 +100,7 @@ impl RunEnd {
 
     /// Tells how the rig kept up and which planned, taken or archived samples were lost; gives the outcome of the command that
     /// made the run.
-    pub(crate) fn settle(&self, archived: &Archived) -> Outcome {
+    pub(crate) fn settle(&self, archived: &Overview) -> Outcome {
         let account = archived.rig.in_words(&self.run, self.status.device_code.cast_signed());
         account.iter().for_each(|line| say(format!("rig      {line}")));
         let is_enough_known = self.achieved.as_ref().is_some_and(|achieved| achieved.ended_s.is_some());
@@ -128,42 +128,10 @@ impl RunEnd {
 
 const LISTED_GAPS: usize = 5;
 
-/// What lies in the archive of a run.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Archived {
-    /// Samples that are there.
-    pub(crate) samples: u64,
-    /// Samples that the archive itself knows to be missing …
-    missing: u64,
-    /// … and where; empty if only the archive's overview was read.
-    gaps: Vec<Gap>,
-    /// How the rig kept up with the ticks.
-    rig: RigAccount,
-}
-
-impl Archived {
-    /// Counts what is in an archive, in memory that does not grow with it.
-    pub(crate) fn read(archive: &Path) -> Result<Self, ArchiveError> {
-        let Overview { samples, lost_samples, rig, .. } = Overview::read(archive)?;
-        Ok(Self { samples, missing: lost_samples, gaps: Vec::new(), rig })
-    }
-}
-
-impl From<&Capture> for Archived {
-    fn from(capture: &Capture) -> Self {
-        Self {
-            samples: capture.len() as u64 + capture.unmeasured_samples,
-            missing: capture.gaps.iter().map(|gap| gap.count).sum(),
-            gaps: capture.gaps.clone(),
-            rig: capture.rig.clone(),
-        }
-    }
-}
-
 /// What is not as it should be after a run, one sentence for each; empty when nothing was lost.
 ///
 /// `is_cut`: the run was ended on purpose, or by a reported fault, so that it may be shorter than planned.
-fn losses(status: &LoopStatus, archived: &Archived, is_cut: bool) -> Vec<String> {
+fn losses(status: &LoopStatus, archived: &Overview, is_cut: bool) -> Vec<String> {
     let mut losses = Vec::new();
     let LoopStatus { planned_ticks: planned, missed_ticks, dropped_samples: dropped, .. } = *status;
     let taken = status.taken_samples();
@@ -183,12 +151,12 @@ fn losses(status: &LoopStatus, archived: &Archived, is_cut: bool) -> Vec<String>
         ));
     }
     // The archive knows nothing of what came after its end.
-    let known = archived.samples + archived.missing;
-    let missing = archived.missing + taken.saturating_sub(known);
+    let known = archived.samples + archived.lost_samples;
+    let missing = archived.lost_samples + taken.saturating_sub(known);
     if missing > 0 {
         let listed = &archived.gaps[..archived.gaps.len().min(LISTED_GAPS)];
         let mut places: Vec<String> = listed.iter().map(ToString::to_string).collect();
-        if listed.iter().map(|gap| gap.count).sum::<u64>() < archived.missing {
+        if listed.iter().map(|gap| gap.count).sum::<u64>() < archived.lost_samples {
             places.push("...; the archive lists them all".to_owned());
         }
         if taken > known {
@@ -201,18 +169,20 @@ fn losses(status: &LoopStatus, archived: &Archived, is_cut: bool) -> Vec<String>
 
 #[cfg(test)]
 mod tests {
+    use archive::Gap;
+
     use super::*;
 
     fn status(published_samples: u64, missed_ticks: u64, dropped_samples: u64) -> LoopStatus {
         LoopStatus { planned_ticks: 1_000, published_samples, missed_ticks, dropped_samples, ..LoopStatus::default() }
     }
 
-    fn archived(samples: u64, gaps: &[(u64, u64)]) -> Archived {
+    fn archived(samples: u64, gaps: &[(u64, u64)]) -> Overview {
         let gaps: Vec<Gap> = gaps
             .iter()
             .map(|&(first, last)| Gap { first_missing_seq: first, last_missing_seq: last, count: last - first + 1 })
             .collect();
-        Archived { samples, missing: gaps.iter().map(|gap| gap.count).sum(), gaps, ..Archived::default() }
+        Overview { samples, lost_samples: gaps.iter().map(|gap| gap.count).sum(), gaps, ..Overview::default() }
     }
 
     #[test]

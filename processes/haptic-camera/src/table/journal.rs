@@ -1,7 +1,7 @@
 //! The rows of a table that is not yet complete, one a line: what a killed call leaves and the next one continues from. At the
 //! end they become the table, an Apache Parquet file.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::fs::File;
 use std::io::{BufRead as _, BufReader, BufWriter, Seek as _, SeekFrom, Write as _};
 use std::os::unix::fs::OpenOptionsExt as _;
@@ -39,7 +39,7 @@ pub(super) struct Journal<'spec> {
     pub(super) place: PathBuf,
     file: File,
     /// Where each file's line begins.
-    lines: HashMap<CaptureFile, u64>,
+    pub(super) lines: HashMap<CaptureFile, u64>,
     end: u64,
 }
 
@@ -47,12 +47,9 @@ pub(super) struct Journal<'spec> {
 type Line = (CaptureFile, Vec<Option<String>>);
 
 impl<'spec> Journal<'spec> {
-    /// Opens the journal of a table, with the files whose rows it has. A line that was cut off is dropped, and so are all rows
+    /// Opens the journal of a table. A line that was cut off is dropped, and so are all rows
     /// made by another specification, which the first line names: they are made again.
-    pub(super) fn open(
-        table: &Path,
-        specification: Option<&'spec Specification>,
-    ) -> anyhow::Result<(Self, HashSet<CaptureFile>)> {
+    pub(super) fn open(table: &Path, specification: Option<&'spec Specification>) -> anyhow::Result<Self> {
         let place = beside(table, ".incomplete");
         let unusable = || format!("{} cannot be used; choose another --out", place.display());
         let mut options = File::options();
@@ -61,17 +58,17 @@ impl<'spec> Journal<'spec> {
         if file.try_lock().is_err() {
             bail!("{} is in use by another `table`; wait for it, or choose another --out", place.display());
         }
-        let (mut lines, mut text) = (HashMap::new(), String::new());
-        let columns = Row::columns(specification);
+        let (mut lines, mut text) = (HashMap::new(), Vec::new());
+        let columns = Row::columns(specification).len();
         let head = format!("{MARK}{specification:?}\n");
         let mut reader = BufReader::new(&file);
-        reader.read_line(&mut text).with_context(unusable)?;
+        reader.read_until(b'\n', &mut text).with_context(unusable)?;
         ensure!(
-            text.is_empty() || text.starts_with(MARK),
+            text.is_empty() || text.starts_with(MARK.as_bytes()),
             "{} is no beginning of a table; choose another --out",
             place.display()
         );
-        if text != head {
+        if text != head.as_bytes() {
             if !text.is_empty() {
                 remark(format!(
                     "the rows in {} were judged by another specification and are made again",
@@ -85,15 +82,14 @@ impl<'spec> Journal<'spec> {
         let mut reader = BufReader::new(&file);
         reader.seek(SeekFrom::Start(end)).with_context(unusable)?;
         text.clear();
-        while reader.read_line(&mut text).with_context(unusable)? > 0 && text.ends_with('\n') {
-            let Some((capture, _)) = parsed(&text, &columns) else { break };
+        while reader.read_until(b'\n', &mut text).with_context(unusable)? > 0 && text.ends_with(b"\n") {
+            let Some((capture, _)) = parsed(&text, columns) else { break };
             lines.insert(capture, end);
             end += text.len() as u64;
             text.clear();
         }
         file.set_len(end).with_context(unusable)?;
-        let done = lines.keys().cloned().collect();
-        Ok((Self { specification, table: table.to_owned(), place, file, lines, end }, done))
+        Ok(Self { specification, table: table.to_owned(), place, file, lines, end })
     }
 
     /// Appends a row, which outlives this process from then on.
@@ -116,9 +112,9 @@ impl<'spec> Journal<'spec> {
             let mut wrong = 0;
             let mut table = begin_table(place, &columns, self.specification)?;
             for files in files.chunks(ROWS_AT_ONCE) {
-                let rows = files.iter().map(|file| read_back(&mut self.file, self.lines[file], &columns));
+                let rows = files.iter().map(|file| read_back(&mut self.file, self.lines[file], columns.len()));
                 let rows = rows.collect::<anyhow::Result<Vec<_>>>()?;
-                wrong += rows.iter().filter(|cells| matches!(cells[ERROR], Cell::Text(Some(_)))).count();
+                wrong += rows.iter().filter(|cells| cells[ERROR].is_some()).count();
                 add_group(&mut table, &columns, &rows)?;
             }
             table.close()?;
@@ -139,27 +135,16 @@ fn written(cell: &Cell) -> Option<String> {
     }
 }
 
-fn parsed(line: &str, columns: &[(String, Cell)]) -> Option<(CaptureFile, Vec<Cell>)> {
-    let (capture, texts): Line = serde_json::from_str(line).ok()?;
-    if texts.len() != columns.len() {
-        return None;
-    }
-    let cell = |(text, (_, empty)): (Option<String>, &(String, Cell))| {
-        let Some(text) = text else { return Some(empty.clone()) };
-        Some(match empty {
-            Cell::Text(_) => Cell::Text(Some(text)),
-            Cell::Count(_) => Cell::Count(Some(text.parse().ok()?)),
-            Cell::Real(_) => Cell::Real(Some(text.parse().ok()?)),
-        })
-    };
-    Some((capture, texts.into_iter().zip(columns).map(cell).collect::<Option<Vec<_>>>()?))
+/// The file of a line and its cells, if it has so many.
+fn parsed(line: &[u8], cells: usize) -> Option<Line> {
+    serde_json::from_slice(line).ok().filter(|(_, there): &Line| there.len() == cells)
 }
 
-fn read_back(journal: &mut File, start: u64, columns: &[(String, Cell)]) -> anyhow::Result<Vec<Cell>> {
+fn read_back(journal: &mut File, start: u64, cells: usize) -> anyhow::Result<Vec<Option<String>>> {
     journal.seek(SeekFrom::Start(start))?;
-    let mut line = String::new();
-    BufReader::new(journal).read_line(&mut line)?;
-    let (_, cells) = parsed(&line, columns).context("the journal was changed in the meantime; make the table again")?;
+    let mut line = Vec::new();
+    BufReader::new(journal).read_until(b'\n', &mut line)?;
+    let (_, cells) = parsed(&line, cells).context("the journal was changed in the meantime; make the table again")?;
     Ok(cells)
 }
 
@@ -180,15 +165,15 @@ fn begin_table(
 fn add_group(
     table: &mut SerializedFileWriter<BufWriter<File>>,
     columns: &[(String, Cell)],
-    rows: &[Vec<Cell>],
+    rows: &[Vec<Option<String>>],
 ) -> Result<(), ParquetError> {
     let mut group = table.next_row_group()?;
     for (place, (_, empty)) in columns.iter().enumerate() {
-        let cells = rows.iter().map(|row| &row[place]);
+        let cells = rows.iter().map(|row| row[place].as_deref());
         match empty {
-            Cell::Text(_) => write::<ByteArrayType>(&mut group, cells.map(text))?,
-            Cell::Count(_) => write::<Int64Type>(&mut group, cells.map(count))?,
-            Cell::Real(_) => write::<DoubleType>(&mut group, cells.map(real))?,
+            Cell::Text(_) => write::<ByteArrayType>(&mut group, cells.map(|text| text.map(ByteArray::from)))?,
+            Cell::Count(_) => write::<Int64Type>(&mut group, cells.map(|text| text?.parse().ok()))?,
+            Cell::Real(_) => write::<DoubleType>(&mut group, cells.map(|text| text?.parse().ok()))?,
         }
     }
     group.close().map(drop)
@@ -200,18 +185,6 @@ fn physical(empty: &Cell) -> PhysicalType {
         Cell::Count(_) => PhysicalType::INT64,
         Cell::Real(_) => PhysicalType::DOUBLE,
     }
-}
-
-fn text(cell: &Cell) -> Option<ByteArray> {
-    if let Cell::Text(Some(text)) = cell { Some(ByteArray::from(text.as_str())) } else { None }
-}
-
-fn count(cell: &Cell) -> Option<i64> {
-    if let Cell::Count(Some(count)) = cell { i64::try_from(*count).ok() } else { None }
-}
-
-fn real(cell: &Cell) -> Option<f64> {
-    if let Cell::Real(real) = cell { *real } else { None }
 }
 
 /// Writes a column: the values that are there, and for each row whether it has one.

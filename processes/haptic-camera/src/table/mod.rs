@@ -47,8 +47,8 @@ pub fn run(options: &TableOptions) -> anyhow::Result<()> {
     files.dedup();
     ensure!(!files.is_empty(), "no .mcap or .csv file in the folders; give folders of captures");
     let specification = options.spec.as_deref().map(load_specification).transpose()?;
-    let (mut journal, done) = Journal::open(&options.out, specification.as_ref())?;
-    let left: Vec<&CaptureFile> = files.iter().filter(|file| !done.contains(*file)).collect();
+    let mut journal = Journal::open(&options.out, specification.as_ref())?;
+    let left: Vec<&CaptureFile> = files.iter().filter(|file| !journal.lines.contains_key(*file)).collect();
     let made = files.len() - left.len();
     if made > 0 {
         remark(format!("{made} of {} captures are in {} already", files.len(), journal.place.display()));
@@ -106,7 +106,7 @@ fn add(folder: &Path, files: &mut Vec<CaptureFile>) -> anyhow::Result<()> {
         if entry.file_type().with_context(unreadable)?.is_dir() {
             add(&path, files)?;
         } else if path.extension().is_some_and(|ending| ["mcap", "csv", "mf4"].iter().any(|known| ending == *known)) {
-            let metadata = entry.metadata().ok();
+            let metadata = path.metadata().ok();
             let written = metadata.as_ref().and_then(|file| file.modified().ok()?.duration_since(UNIX_EPOCH).ok());
             let written_ns = written.map_or(0, |time| time.as_nanos() as u64);
             files.push(CaptureFile { path, bytes: metadata.map_or(0, |file| file.len()), written_ns });

@@ -30,8 +30,8 @@ impl Permission {
         if set.set(core).is_ok() && sched_setaffinity(Pid::from_raw(0), &set).is_ok() {
             granted |= realtime::PINNED;
         }
-        // Only what is mapped now: the loop touches nothing that comes later, and locking later
-        // mappings too would pull the whole of the shared memory into RAM.
+        // Only what is mapped now: of what comes later the loop touches only models, and locking later mappings too would pull the whole of
+        // the shared memory into RAM.
         if mlockall(MlockAllFlags::MCL_CURRENT).is_ok() {
             granted |= realtime::LOCKED;
         }

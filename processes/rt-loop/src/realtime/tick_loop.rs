@@ -14,7 +14,7 @@ use super::schedule::Schedule;
 use super::tick_record::{self, TickRecord};
 use crate::control::{ControlState, Reading, Request};
 
-/// Seconds that a ring to the publisher holds: as long as a consumer's queue, 36 MB at 20 kHz.
+/// Seconds that a ring to the publisher holds: as long as a consumer's queue.
 const RING_S: f64 = 16.0;
 /// Requests that may wait for the loop.
 const REQUESTS: usize = 8;
@@ -214,7 +214,9 @@ impl TickLoop {
                 watched.tick(tick.number);
             }
             let measurement = self.exchange(tick.due_ns, torque_mnm);
-            schedule.shift(self.apparatus.shift_ns());
+            if self.is_on {
+                schedule.shift(self.apparatus.shift_ns());
+            }
             let read_ns = monotonic_time_ns();
             while let Ok(request) = self.ends.requests.pop() {
                 self.control.request(request);

@@ -138,7 +138,7 @@ fn plot(panel: &Panel<'_>, size: (u32, u32), levels: &[f64]) -> Markup {
     let places = panel.maps.iter().flat_map(|(_, map)| map.iter().map(|bin| bin[0]));
     let plot = Plot {
         size,
-        x: Axis::around(&format!("{coordinate} ({})", unit(panel.location.unit)), places),
+        x: Axis::around(&format!("{coordinate} ({})", panel.location.unit), places),
         y: Axis::around(MEAN_RESIDUAL, levels.iter().copied().chain([0.0])),
         layers,
     };
@@ -191,9 +191,4 @@ pub(super) fn words(coordinate: &str) -> String {
         "detent-phase" => "phase within the detent".to_owned(),
         other => other.replace('-', " "),
     }
-}
-
-/// A unit as printed.
-pub(super) fn unit(unit: &str) -> String {
-    unit.replace("s2", "s²")
 }

@@ -2,7 +2,6 @@
 
 use identification::diagnosis::Location;
 
-use super::maps::unit;
 use crate::numbers::three;
 
 /// Share of the largest magnitude that a bin must have for its sign to count.
@@ -20,7 +19,7 @@ pub(super) fn shape(location: &Location) -> Option<String> {
     map.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let [low_at, low] = map.iter().copied().min_by(|a, b| a[1].total_cmp(&b[1]))?;
     let [high_at, high] = map.iter().copied().max_by(|a, b| a[1].total_cmp(&b[1]))?;
-    let unit = unit(location.unit);
+    let unit = location.unit;
     let trend = trend(&map);
     let changes = match sign_changes(&map, high.abs().max(low.abs())) {
         0 => "never changes sign".to_owned(),
