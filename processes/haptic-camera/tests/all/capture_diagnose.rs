@@ -128,7 +128,7 @@ fn what_makes_no_sense_is_refused() {
     for (options, status, expected) in [
         (vec!["--budget", "much"], 2, "seconds of turning"),
         (vec!["--torque"], 2, "cannot be used with"),
-        (vec!["--reach=-1"], 1, "--reach"),
+        (vec!["--reach=-1"], 2, "--reach"),
     ] {
         let output = capture(folder.path(), "", &options);
         assert_eq!(output.status.code(), Some(status), "{options:?}");
