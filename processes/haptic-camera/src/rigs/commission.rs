@@ -127,7 +127,7 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
             axis.load_unit()
         );
         anyhow::ensure!(
-            ceiling_mnm - amplitude_mnm > CLOSE_SHARE * ceiling_mnm,
+            ceiling_mnm - amplitude_mnm > CLOSE_SHARE * amplitude_mnm,
             "{amplitude_mnm:.3} {} hardly move the knob, and a little more takes it out of the permitted range: widen [limits], or set the knob \
              to the middle of its travel",
             axis.load_unit()
