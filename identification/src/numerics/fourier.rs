@@ -1,6 +1,7 @@
 //! Transforms, planned once per thread.
 
 use std::cell::RefCell;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use realfft::num_complex::Complex;
@@ -13,6 +14,19 @@ thread_local! {
 /// The forward transform of `length` real numbers.
 pub(crate) fn forward(length: usize) -> Arc<dyn RealToComplex<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length))
+}
+
+/// The transform of values through Hann's window, lengthened by zeros to `length`; `None` for a length that cannot be transformed.
+pub(crate) fn through_hann(values: impl ExactSizeIterator<Item = f64>, length: usize) -> Option<Vec<Complex<f64>>> {
+    let count = values.len() as f64;
+    let transform = forward(length);
+    let mut windowed = transform.make_input_vec();
+    for (index, (slot, value)) in windowed.iter_mut().zip(values).enumerate() {
+        *slot = value * (PI * (index as f64 + 0.5) / count).sin().powi(2);
+    }
+    let mut lines = transform.make_output_vec();
+    transform.process(&mut windowed, &mut lines).ok()?;
+    Some(lines)
 }
 
 /// A linear filter for evenly spaced values, which count as zero beyond their ends.

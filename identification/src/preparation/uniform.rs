@@ -130,7 +130,7 @@ impl Uniform {
             torque_mnm: sampled(samples.torque_mnm),
             received: None,
             torque_density: 0.0,
-            lost: present.iter().filter(|present| !**present).count(),
+            lost: 0,
             present,
             notes: Vec::new(),
         }

@@ -36,8 +36,8 @@ pub(crate) struct Map {
 }
 
 impl Map {
-    /// The map of checked samples, corrected by the rig's calibration; `None` if the knob did not pass slowly through its travel. A curve has no duration, so that it is never
-    /// too fast.
+    /// The map of checked samples, corrected by the rig's calibration; `None` if the knob did not pass slowly through its travel. A curve has no
+    /// duration, so that it is never too fast.
     pub(crate) fn of(samples: &Samples<'_>, known: Option<&Calibration>, is_curve: bool) -> Option<Self> {
         let saturation = Saturation::of(samples.torque_mnm);
         let step = smallest_step(samples.angle_rad);

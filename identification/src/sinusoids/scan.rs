@@ -161,7 +161,7 @@ impl Scan {
         noise_variance(&mut near)
     }
 
-    /// Second highest peak of the `powers` beside a detent of `wavenumber`, left out what is near its wavenumber and two and three times it, mNm².
+    /// Second highest peak of the `powers` away from the `wavenumber` of a detent and from two and three times it, mNm².
     ///
     /// Counts only periods of which the travel holds at least `fewest`.
     pub(crate) fn null_test(&self, powers: &[f64], wavenumber: f64, fewest: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! Torque and angle around the mains' frequencies at the full rate: a hum may lie above the band in which models are compared.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::ops::Range;
 
 use realfft::num_complex::Complex;
@@ -69,16 +69,10 @@ impl MainsSpectrum {
         let spacing_hz = rate_hz / length as f64;
         let first = (BESIDE.start * lowest_hz / spacing_hz).floor() as usize;
         let last = ((BESIDE.end * highest_hz).min(0.5 * rate_hz) / spacing_hz) as usize;
-        let transform = fourier::forward(length);
         let spectrum = |column: &[f64]| {
             let column = &column[samples.clone()];
             let mean = mean(column);
-            let mut windowed = transform.make_input_vec();
-            for (index, (slot, value)) in windowed.iter_mut().zip(column).enumerate() {
-                *slot = (value - mean) * (PI * (index as f64 + 0.5) / count).sin().powi(2);
-            }
-            let mut bins = transform.make_output_vec();
-            transform.process(&mut windowed, &mut bins).ok()?;
+            let bins = fourier::through_hann(column.iter().map(|value| value - mean), length)?;
             // The window's sum is half the number of samples.
             let line = |index: usize| {
                 let turned = Complex::from_polar(4.0 / count, TAU * index as f64 / length as f64 * middle);
@@ -92,10 +86,15 @@ impl MainsSpectrum {
         Some(Self { spacing_hz, first, lines, duration_s: count / rate_hz, middle_s })
     }
 
+    /// Frequency of a line, Hz.
+    fn hertz(&self, index: usize) -> f64 {
+        (self.first + index) as f64 * self.spacing_hz
+    }
+
     /// The line above `edge_hz` that stands out most of the torque that inertia leaves; near `beside_hz` if that is given. `None` if another line
     /// beside it is as high.
     pub(crate) fn line(&self, inertia: f64, delay_s: f64, edge_hz: f64, beside_hz: Option<f64>) -> Option<MainsLine> {
-        let hertz = |index: usize| (self.first + index) as f64 * self.spacing_hz;
+        let hertz = |index: usize| self.hertz(index);
         let balance = |(index, [torque, angle]): (usize, &[Complex<f64>; 2])| {
             let rad_s = TAU * hertz(index);
             torque * Complex::from_polar(1.0, rad_s * delay_s) + angle * inertia * rad_s * rad_s
@@ -135,20 +134,25 @@ impl MainsSpectrum {
                 .then(|| (trials.ln() - noises * (ratio / noises).ln_1p(), peak, ratio))
         });
         let (ln_p_value, peak, ratio) = found.min_by(|one, other| one.0.total_cmp(&other.0))?;
+        Some(self.measured(&amplitudes, peak, ratio, ln_p_value))
+    }
+
+    /// The line at a peak of the amplitudes whose power is `ratio` times the noise's.
+    fn measured(&self, amplitudes: &[Complex<f64>], peak: usize, ratio: f64, ln_p_value: f64) -> MainsLine {
         // A parabola through the logarithms of three lines.
-        let [before, at, after] = [peak - 1, peak, peak + 1].map(|index| power(index).ln());
+        let [before, at, after] = [peak - 1, peak, peak + 1].map(|index| amplitudes[index].norm_sqr().ln());
         let offset = 0.5 * (before - after) / (before - 2.0 * at + after);
-        let frequency_hz = hertz(peak) + offset * self.spacing_hz;
+        let frequency_hz = self.hertz(peak) + offset * self.spacing_hz;
         let amplitude_mnm = (0.5 * (at - 0.25 * (before - after) * offset)).exp();
         let phase_rad = (amplitudes[peak].arg() - TAU * frequency_hz * self.middle_s).rem_euclid(TAU);
         let root = ratio.sqrt();
         let frequency_deviation_hz = FREQUENCY_DEVIATION / (self.duration_s * root);
-        let relative = std::f64::consts::FRAC_1_SQRT_2 / root;
+        let relative = FRAC_1_SQRT_2 / root;
         let phase_deviation_rad = relative.hypot(TAU * self.middle_s * frequency_deviation_hz);
-        Some(MainsLine {
+        MainsLine {
             values: [amplitude_mnm, frequency_hz, phase_rad],
             deviations: [relative * amplitude_mnm, frequency_deviation_hz, phase_deviation_rad],
             ln_p_value,
-        })
+        }
     }
 }

@@ -129,9 +129,10 @@ impl Capture {
         let band = Band::of(&uniform, exact.is_some(), calibration);
         let band = Band { edge_hz: edge_hz.min(WIDEST * rate_hz).min(band.clear_hz), ..band };
         // An exact motion has no noise that would narrow the band.
-        let is_exact = exact.is_some();
-        let columns = [&uniform.torque_mnm, &uniform.angle_rad].map(Vec::as_slice);
-        let mains = if is_exact { None } else { MainsSpectrum::of(columns, kept, rate_hz, band.edge_hz) };
+        let mains = match exact {
+            Some(_) => None,
+            None => MainsSpectrum::of([&uniform.torque_mnm, &uniform.angle_rad], kept, rate_hz, band.edge_hz),
+        };
         let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &band, calibration, AccelerationUse::Best));
         let mut row_filter = RowFilter::new(&uniform, &motion, &band);
         let length = (STRETCH_S * rate_hz).round() as usize;

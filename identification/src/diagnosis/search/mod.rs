@@ -267,31 +267,31 @@ impl<'a> Search<'a> {
 
     /// Whether the last effect explains enough of what a model without it leaves, and differs from zero.
     pub(crate) fn is_worth_a_name(&self, before: &Judged, after: &Judged, found: &Found) -> bool {
-        self.disqualified(after).is_none()
-            && worthwhile(before, after, &found.base, self.heldout)
-            && (!self.is_nothing(after) || explains_surely(before, after) || self.shows_in_both(before, after))
-            && self.is_better_than_other_values(before, after)
-    }
-
-    /// Whether an effect that the training capture leaves open predicts the other one better than chance, and differs from zero in both
-    /// together.
-    fn shows_in_both(&self, before: &Judged, after: &Judged) -> bool {
-        if after.structure.is_coupled() || after.heldout_p_value(before) > FALSE_DISCOVERIES {
+        if self.disqualified(after).is_some() || !worthwhile(before, after, &found.base, self.heldout) {
             return false;
         }
         let both = after.fitted_to_both(self.train, self.heldout);
+        (!self.is_nothing(after) || explains_surely(before, after) || self.shows_in_both(before, after, &both))
+            && self.is_better_than_other_values(before, &both)
+    }
+
+    /// Whether an effect that the training capture leaves open predicts the other one better than chance, and differs from zero in both
+    /// together; `both` is `after` fitted to both.
+    fn shows_in_both(&self, before: &Judged, after: &Judged, both: &Judged) -> bool {
+        if after.structure.is_coupled() || after.heldout_p_value(before) > FALSE_DISCOVERIES {
+            return false;
+        }
         let values = both.intervals_from_both(self.train, self.heldout);
         !trials::may_be_zero(&both.structure, values)
     }
 
-    /// Whether one more effect explains both captures better than the earlier effects would with other values, which the training
-    /// capture may leave open. True for coupled bodies, which are not fitted to both captures.
+    /// Whether one more effect, `after` fitted to both captures, explains them better than the earlier effects would with other values, which
+    /// the training capture may leave open. True for coupled bodies, which are not fitted to both captures.
     fn is_better_than_other_values(&self, before: &Judged, after: &Judged) -> bool {
         if after.structure.is_coupled() {
             return true;
         }
-        let [before, after] = [before, after].map(|judged| judged.fitted_to_both(self.train, self.heldout).evidence);
-        after > before + EVIDENCE
+        after.evidence > before.fitted_to_both(self.train, self.heldout).evidence + EVIDENCE
     }
 
     /// The effect that predicts the held-out capture best among those that each explain a part of a gap too large for any of them
@@ -310,7 +310,7 @@ impl<'a> Search<'a> {
                 && judged.heldout_rms_mnm
                     < null_test::rms_mnm(judged.newest(), current, &judged.structure, self.train, self.heldout)
                 && !self.is_nothing(judged)
-                && self.is_better_than_other_values(current, judged)
+                && self.is_better_than_other_values(current, &judged.fitted_to_both(self.train, self.heldout))
         };
         (0..tried.len())
             .filter(is_discovery)

@@ -13,7 +13,7 @@ use crate::diagnosis::search::judged::Judged;
 use crate::uncertainty::statistics::{NORMAL_95, interval};
 
 impl Search<'_> {
-    /// Adds a hum to what was found, unless it is there already.
+    /// Adds `mains-hum` to a diagnosis without it if both captures have the line of one above their band.
     pub(super) fn add_hum_above_the_band(&self, diagnosis: &mut Diagnosis, last: &Judged) {
         let kind = &mains_hum::KIND;
         let structure = &last.structure;
