@@ -4,8 +4,8 @@ use serde::ser::{Serialize, Serializer};
 
 use dynamics::{Axis, Effect, Model, Motion, ParameterKind, effects};
 
+use crate::numerics::statistics::mean;
 use crate::regression::characteristic::MeasuredCurve;
-use crate::uncertainty::statistics::mean;
 
 /// A fitted parameter, or the reason why the data cannot identify it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]

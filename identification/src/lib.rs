@@ -39,15 +39,14 @@ mod quasi_static;
 mod regression;
 mod samples;
 mod sinusoids;
-mod uncertainty;
 
 pub use average::{Agreement, Average, Estimated, Repeatability, average};
 pub use estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 pub use fit::fit;
+pub use numerics::statistics;
 pub use options::{AccelerationUse, FitOptions, PreparationMethod};
 pub use preparation::encoder_step::encoder_step;
 pub use preparation::filter;
 pub use preparation::motion::knob_motion;
 pub use regression::characteristic::{CharacteristicPoint, MeasuredCurve};
 pub use samples::{FEWEST_SAMPLES, FitError, Samples};
-pub use uncertainty::statistics;

@@ -132,15 +132,15 @@ pub enum FitError {
         /// Distance between the smallest and the largest angle, rad.
         travel_rad: f64,
     },
-    /// The knob moved, but never fast enough to be told from rest.
+    /// The knob moved, but hardly ever surely.
     #[error(
-        "the knob moved faster than {threshold_rad_s:.3e} rad/s, where it surely slides, in only {samples} samples; \
-         excite it with a faster or longer sweep"
+        "a fit can use only {samples} samples: those away from rests, reversals and gaps, in which the knob moves faster than \
+         {threshold_rad_s:.3e} rad/s and surely slides; excite it with a faster or longer sweep, or sample more often"
     )]
     HardlyMoving {
         /// Speed above which the knob counts as sliding, rad/s.
         threshold_rad_s: f64,
-        /// Samples above it.
+        /// Samples above it, away from where the knob may rest and from gaps.
         samples: usize,
     },
     /// A curve of torque over the angle that does not pass through its travel.

@@ -172,10 +172,13 @@ impl LoadedCapture {
             return Ok(None);
         };
         let beside = calibration_beside(path);
-        whole_file::check(&beside, Replace::Marked(CALIBRATION_MARK))?;
-        self.capture.write_csv(path)?;
         let text = CALIBRATION_MARK.to_owned() + &calibration.to_toml();
-        write_bytes(&beside, Replace::Marked(CALIBRATION_MARK), text.as_bytes())?;
+        // Another one may be the only copy of a rig's.
+        let is_the_same = std::fs::read(&beside).is_ok_and(|found| found == text.as_bytes());
+        let replace = if is_the_same { Replace::Anything } else { Replace::Nothing };
+        whole_file::check(&beside, replace)?;
+        self.capture.write_csv(path)?;
+        write_bytes(&beside, replace, text.as_bytes())?;
         Ok(Some(beside))
     }
 

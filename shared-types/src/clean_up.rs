@@ -29,11 +29,14 @@ pub fn clear_shared_memory() -> Result<usize, ServiceError> {
         }
         std::thread::sleep(Duration::from_millis(50));
     }
+    // Nobody attaches between the look and the removal.
+    let held = shared_memory_dir::hold()?;
     let alone = attached(&node) == 1;
     drop(node);
-    if alone && let Err(error) = shared_memory_dir::remove() {
+    if alone && let Err(error) = shared_memory_dir::remove(&held) {
         return Err(services::unavailable("clean-up", &error));
     }
+    drop(held);
     Ok(files_in_shared_memory(&rig::runtime_dir()).len())
 }
 

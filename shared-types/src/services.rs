@@ -23,6 +23,7 @@ use iceoryx2::service::builder::publish_subscribe::{PublishSubscribeOpenError, P
 use iceoryx2::service::builder::request_response::{RequestResponseOpenError, RequestResponseOpenOrCreateError};
 
 use crate::private_ipc::PrivateIpc;
+use crate::shared_memory_dir::Held;
 use crate::wire::WireMessage;
 use crate::{
     BlockHeader, ControlRequest, ControlResponse, FitUpdate, LoopStatus, MODEL_MAX_BYTES, ProcessHealth, Sample,
@@ -137,9 +138,7 @@ pub const FIT_UPDATES: Topic<FitUpdate> = Topic::new("fit-updates", 128, 512, 2)
 pub const PROCESS_HEALTH: Topic<ProcessHealth> = Topic::new("process-health", 1, 64, MAX_CONSUMERS);
 
 const SAMPLES: &str = "samples";
-const DESCRIPTION: &str = "run-description";
 const CONTROL: &str = "control";
-const MODELS: &str = "models";
 const MODEL_EXCHANGE: &str = "model-exchange";
 
 impl<Payload> Topic<Payload> {
@@ -192,20 +191,23 @@ pub fn attach(process_name: &str) -> Result<RigNode, ServiceError> {
     set_log_level_from_env_or(LogLevel::Error);
     shared_memory::check_any_room()?;
     let name = process_name.try_into().map_err(|error| unavailable("node", &error))?;
+    // Until the node is there, or a clean-up could remove its folder.
+    let held = shared_memory_dir::hold()?;
     let node = NodeBuilder::new()
         .name(&name)
         .signal_handling_mode(SignalHandlingMode::Disabled)
-        .config(&config()?)
+        .config(&config(&held)?)
         .create::<PrivateIpc>()
         .map_err(|error| unavailable("node", &error))?;
+    drop(held);
     node.try_cleanup_dead_nodes();
     Ok(node)
 }
 
 /// iceoryx2's configuration for this rig: everything in the rig's own folder.
-fn config() -> Result<Config, ServiceError> {
+fn config(held: &Held) -> Result<Config, ServiceError> {
     let mut config = Config::default();
-    let directory = shared_memory_dir::create()?;
+    let directory = shared_memory_dir::create(held)?;
     let root = directory.to_string_lossy().as_ref().try_into().map_err(|error| unavailable("shared memory", &error))?;
     config.global.set_root_path(&root);
     Ok(config)
@@ -246,57 +248,36 @@ fn sample_service(
         .map_err(|error| open_error(SAMPLES, Sample::layout_id(), error))
 }
 
-/// The port that sends the run's description as JSON.
-///
-/// # Errors
-/// [`ServiceError`] when shared memory is not available.
-pub fn description_publisher(node: &RigNode) -> Result<TextPublisher, ServiceError> {
-    DESCRIPTIONS.publisher(node)
-}
-
-/// A port that receives the run's description as JSON.
-///
-/// # Errors
-/// [`ServiceError`] when shared memory is not available.
-pub fn description_subscriber(node: &RigNode) -> Result<TextSubscriber, ServiceError> {
-    DESCRIPTIONS.subscriber(node)
-}
-
-/// The port that sends each model that begins to be felt, a [`ModelChange`](crate::ModelChange) as JSON.
-///
-/// # Errors
-/// [`ServiceError`] when shared memory is not available.
-pub fn model_publisher(node: &RigNode) -> Result<TextPublisher, ServiceError> {
-    MODEL_CHANGES.publisher(node)
-}
-
-/// A port that receives each model that begins to be felt, those in the history first.
-///
-/// # Errors
-/// [`ServiceError`] when shared memory is not available.
-pub fn model_subscriber(node: &RigNode) -> Result<TextSubscriber, ServiceError> {
-    MODEL_CHANGES.subscriber(node)
-}
-
 /// A service that carries texts of one publisher, the newest of them kept for whoever comes later.
-struct TextTopic {
+#[derive(Debug)]
+pub struct TextTopic {
     name: &'static str,
     longest_bytes: usize,
     history: usize,
     queue: usize,
 }
 
-const DESCRIPTIONS: TextTopic =
-    TextTopic { name: DESCRIPTION, longest_bytes: DESCRIPTION_MAX_BYTES, history: 1, queue: 2 };
-const MODEL_CHANGES: TextTopic =
-    TextTopic { name: MODELS, longest_bytes: MODEL_MESSAGE_MAX_BYTES, history: MODEL_HISTORY, queue: MODEL_HISTORY };
+/// What a run is: a [`RunDescription`](crate::RunDescription) as JSON.
+pub const RUN_DESCRIPTION: TextTopic =
+    TextTopic { name: "run-description", longest_bytes: DESCRIPTION_MAX_BYTES, history: 1, queue: 2 };
+/// Each model that begins to be felt: a [`ModelChange`](crate::ModelChange) as JSON.
+pub const MODEL_CHANGES: TextTopic =
+    TextTopic { name: "models", longest_bytes: MODEL_MESSAGE_MAX_BYTES, history: MODEL_HISTORY, queue: MODEL_HISTORY };
 
 impl TextTopic {
-    fn publisher(&self, node: &RigNode) -> Result<TextPublisher, ServiceError> {
+    /// The port that sends this topic's texts.
+    ///
+    /// # Errors
+    /// [`ServiceError`] when the service is full or shared memory is not available.
+    pub fn publisher(&self, node: &RigNode) -> Result<TextPublisher, ServiceError> {
         port(self.name, self.service(node)?.publisher_builder().initial_max_slice_len(self.longest_bytes).create())
     }
 
-    fn subscriber(&self, node: &RigNode) -> Result<TextSubscriber, ServiceError> {
+    /// A port that receives this topic's texts, those in the history first.
+    ///
+    /// # Errors
+    /// [`ServiceError`] when the service is full or shared memory is not available.
+    pub fn subscriber(&self, node: &RigNode) -> Result<TextSubscriber, ServiceError> {
         port(self.name, self.service(node)?.subscriber_builder().create())
     }
 

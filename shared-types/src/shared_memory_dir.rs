@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use nix::fcntl::{Flock, FlockArg};
 use nix::unistd::mkdtemp;
 
-use crate::rig::{create_runtime_dir, open_private_dir, runtime_dir};
+use crate::rig::{create_runtime_dir, open_private_dir};
 use crate::wire::fnv1a;
 
 /// Where POSIX shared memory lies on Linux.
@@ -18,19 +18,34 @@ pub(crate) const SHARED_MEMORY: &str = "/dev/shm";
 /// In the runtime directory: a link to the folder in shared memory.
 const SHARED_MEMORY_LINK: &str = "shared-memory";
 
+/// Keeps other processes of the rig from attaching to its folder in shared memory, from making and from removing it.
+#[derive(Debug)]
+pub(crate) struct Held {
+    runtime_dir: PathBuf,
+    _lock: Flock<File>,
+}
+
+/// Waits until no other process makes, removes or attaches to the rig's folder in shared memory, and holds it.
+///
+/// # Errors
+/// The system's, when the runtime directory cannot be used.
+pub(crate) fn hold() -> std::io::Result<Held> {
+    let runtime_dir = create_runtime_dir()?;
+    let lock = Flock::lock(File::open(&runtime_dir)?, FlockArg::LockExclusive).map_err(|(_, error)| error)?;
+    Ok(Held { runtime_dir, _lock: lock })
+}
+
 /// The folder that holds the rig's shared memory, made under a new name if there is none.
 ///
 /// # Errors
-/// The system's, when the runtime directory or shared memory cannot be used.
-pub(crate) fn create() -> std::io::Result<PathBuf> {
-    let runtime_dir = create_runtime_dir()?;
-    let _one_at_a_time = lock(&runtime_dir)?;
+/// The system's, when shared memory cannot be used.
+pub(crate) fn create(Held { runtime_dir, .. }: &Held) -> std::io::Result<PathBuf> {
     let link = runtime_dir.join(SHARED_MEMORY_LINK);
     if let Some(directory) = std::fs::read_link(&link).ok().filter(|directory| open_private_dir(directory).is_ok()) {
         return Ok(directory);
     }
-    forget(&runtime_dir)?;
-    let template = format!("{}XXXXXX", prefix(&runtime_dir));
+    forget(runtime_dir)?;
+    let template = format!("{}XXXXXX", prefix(runtime_dir));
     let directory = mkdtemp(&Path::new(SHARED_MEMORY).join(template)).map_err(|error| {
         let reason = format!("no folder can be made in {SHARED_MEMORY} ({error}): check its permissions and its space");
         std::io::Error::new(std::io::Error::from(error).kind(), reason)
@@ -43,10 +58,8 @@ pub(crate) fn create() -> std::io::Result<PathBuf> {
 ///
 /// # Errors
 /// The system's.
-pub(crate) fn remove() -> std::io::Result<()> {
-    let runtime_dir = runtime_dir();
-    let _one_at_a_time = lock(&runtime_dir)?;
-    forget(&runtime_dir)
+pub(crate) fn remove(held: &Held) -> std::io::Result<()> {
+    forget(&held.runtime_dir)
 }
 
 /// The folders in shared memory that the rig with this runtime directory made: one while it is attached to, and what is left of
@@ -70,9 +83,4 @@ fn forget(runtime_dir: &Path) -> std::io::Result<()> {
 fn prefix(runtime_dir: &Path) -> String {
     let named = std::path::absolute(runtime_dir).unwrap_or_else(|_| runtime_dir.to_owned());
     format!("haptic-camera-{:016x}-", fnv1a(named.as_os_str().as_encoded_bytes()))
-}
-
-/// Keeps other processes of the rig from making or removing its folder in shared memory.
-fn lock(runtime_dir: &Path) -> std::io::Result<Flock<File>> {
-    Ok(Flock::lock(File::open(runtime_dir)?, FlockArg::LockExclusive).map_err(|(_, error)| error)?)
 }

@@ -228,11 +228,11 @@ fn of_branch(guard: Guard, envelope: &Envelope, sheet: &Sheet) -> (EnvelopeVerdi
     let worst = judged.max_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let branch = envelope.branch.clone();
     let Some((verdict, _, position, load)) = worst else {
-        let reason = format!("the curve has no {branch} where the envelope lies");
+        let reason = format!("the curve has no {branch} branch where the envelope lies");
         return (EnvelopeVerdict { branch, verdict: Verdict::Undecided, worst_position: None }, Some(reason));
     };
     let (at, unit) = (short(position), sheet.axis.position_unit());
-    let seen = format!("the {branch} at {at} {unit}, {} {}", short(load), sheet.axis.load_unit());
+    let seen = format!("the {branch} branch at {at} {unit}, {} {}", short(load), sheet.axis.load_unit());
     let reason = match verdict {
         Verdict::Pass => None,
         Verdict::Fail => Some(format!("{seen}, is outside its envelope")),

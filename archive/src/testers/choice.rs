@@ -26,6 +26,12 @@ pub enum ChoiceError {
     /// A word that means nothing here.
     #[error("`{0}` is none of angle, torque, travel, force, time and contact")]
     Word(String),
+    /// A word that is assigned twice.
+    #[error("`{0}` is assigned twice; give it once")]
+    Twice(String),
+    /// A column that is to be two things.
+    #[error("the column `{0}` cannot be two things at once; give each its own")]
+    Shared(String),
     /// A position without a load, or neither.
     #[error("name the columns of angle and torque, or of travel and force")]
     Incomplete,
@@ -75,13 +81,18 @@ impl Assignments {
     /// The choice that these words with their values make.
     ///
     /// # Errors
-    /// [`ChoiceError::Word`] for one that means nothing here.
+    /// [`ChoiceError::Word`] for one that means nothing here, [`ChoiceError::Twice`] for one that is there again.
     pub fn new(pairs: Vec<(String, String)>) -> Result<Self, ChoiceError> {
         let known = ["angle", "torque", "travel", "force", "time", "contact"];
-        match pairs.iter().find(|(word, _)| !known.contains(&word.as_str())) {
-            Some((word, _)) => Err(ChoiceError::Word(word.clone())),
-            None => Ok(Self(pairs)),
+        for (index, (word, _)) in pairs.iter().enumerate() {
+            if !known.contains(&word.as_str()) {
+                return Err(ChoiceError::Word(word.clone()));
+            }
+            if pairs[..index].iter().any(|(earlier, _)| earlier == word) {
+                return Err(ChoiceError::Twice(word.clone()));
+            }
         }
+        Ok(Self(pairs))
     }
 
     fn get(&self, word: &str) -> Option<&str> {
@@ -94,8 +105,13 @@ impl ColumnChoice {
     /// the instrument's.
     ///
     /// # Errors
-    /// [`ChoiceError::Incomplete`] without a position and its load, [`ChoiceError::Unit`] for a unit that is none.
+    /// [`ChoiceError::Incomplete`] without a position and its load, [`ChoiceError::Shared`] for a column with two words,
+    /// [`ChoiceError::Unit`] for a unit that is none.
     pub fn new(columns: Assignments, units: Assignments) -> Result<Self, ChoiceError> {
+        let earlier = |index: usize, name: &str| columns.0[..index].iter().any(|(_, earlier)| earlier == name);
+        if let Some((_, (_, name))) = columns.0.iter().enumerate().find(|(index, (_, name))| earlier(*index, name)) {
+            return Err(ChoiceError::Shared(name.clone()));
+        }
         let choice = Self { columns, units };
         let axis = choice.axis().ok_or(ChoiceError::Incomplete)?;
         for quantity in [axis.position(), axis.load(), Quantity::Time] {

@@ -18,7 +18,7 @@ use dynamics::{Effect, Model, effects};
 use nalgebra::DMatrix;
 
 use crate::estimate::{Covariance, Fit, Parameter, Parameters, Point, residual_of};
-use crate::uncertainty::statistics::{self, NORMAL_95, deviation_of_sum};
+use crate::numerics::statistics::{self, NORMAL_95, deviation_of_sum};
 use observation::{Observation, PERIOD, PHASE};
 
 pub use scalar::Estimated;

@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 
 use super::scalar::{Estimated, wrapped};
 use crate::estimate::{Fit, Parameter};
-use crate::uncertainty::statistics::{self, NORMAL_95};
+use crate::numerics::statistics::{self, NORMAL_95};
 
 pub(super) const PHASE: &str = "detent_phase";
 pub(super) const PERIOD: &str = "detent_period";

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::uncertainty::statistics::NORMAL_95;
+use crate::numerics::statistics::NORMAL_95;
 
 /// A value with the half width of its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

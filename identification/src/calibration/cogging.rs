@@ -19,10 +19,10 @@ use super::regression::Band;
 use crate::Samples;
 use crate::estimate::Harmonic;
 use crate::numerics::derivative::gradient;
+use crate::numerics::statistics::{half_width, median};
 use crate::preparation::uniform::{Uniform, whole};
 use crate::samples::{FEWEST_SAMPLES, span};
 use crate::sinusoids::matching_pursuit;
-use crate::uncertainty::statistics::{half_width, median};
 
 /// Band in which torque is compared with angle, Hz: well below the resonance of rotor and gripper.
 const EDGE_HZ: f64 = 200.0;

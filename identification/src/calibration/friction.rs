@@ -3,7 +3,7 @@
 use dynamics::Calibration;
 
 use super::estimate::{CalibrateError, Calibrated, Estimate, check_command};
-use crate::uncertainty::statistics::half_width;
+use crate::numerics::statistics::half_width;
 use crate::{Fit, FitOptions, Samples, fit};
 
 /// Friction above which something other than the gripper must have turned, mNm.

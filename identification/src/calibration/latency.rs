@@ -18,10 +18,10 @@ use super::regression::{Band, Solved, UNEXPLAINED};
 use crate::Samples;
 use crate::numerics::derivative::gradient;
 use crate::numerics::interpolation::advance;
+use crate::numerics::statistics::rms;
 use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::spectrum::Spectrum;
 use crate::preparation::uniform::Uniform;
-use crate::uncertainty::statistics::rms;
 
 /// The band reaches to this multiple of the frequency below which the motion's power lies …
 const EDGE_PER_SWEEP: f64 = 1.5;

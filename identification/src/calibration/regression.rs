@@ -1,10 +1,10 @@
 //! A linear relation between signals of a capture, solved in a band, with robust intervals.
 
 use super::estimate::CalibrateError;
+use crate::numerics::statistics::{MEDIAN_MAGNITUDE, deviation_of_sum, mean, median, rms, student_95};
 use crate::preparation::filter::low_pass;
 use crate::preparation::row_filter::row_step;
 use crate::regression::least_squares::{LeastSquares, RobustCovariance};
-use crate::uncertainty::statistics::{MEDIAN_MAGNITUDE, deviation_of_sum, mean, median, rms, student_95};
 
 /// Rows further from the relation than this many standard deviations are left out: a knob that breaks
 /// loose shakes the rig.

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use dynamics::Calibration;
 
 use super::estimate::{CalibrateError, Calibrated, Estimate};
+use crate::numerics::statistics::{mean, mean_and_error, student_95};
 use crate::samples::{FitError, span};
-use crate::uncertainty::statistics::{mean, mean_and_error, student_95};
 
 /// Travel up to which the rig counts as at rest, rad.
 const REST_RAD: f64 = 2e-3;

@@ -2,10 +2,10 @@
 
 use dynamics::{Calibration, Direction};
 
+use crate::numerics::statistics::mean;
 use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::uniform::typical_step;
 use crate::samples::{FitError, Samples};
-use crate::uncertainty::statistics::mean;
 
 /// Shortest rest before a breakaway, s.
 const REST_S: f64 = 0.020;

@@ -4,9 +4,9 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use dynamics::Direction;
 
+use crate::numerics::statistics::{mean, median, running, runs, student_95, without_line};
 use crate::preparation::uniform::typical_step;
 use crate::samples::{FitError, Samples, span};
-use crate::uncertainty::statistics::{mean, median, running, runs, student_95, without_line};
 
 /// Correlation of the two directions' torques over angle from which they show detents.
 const REPEATS: f64 = 0.5;

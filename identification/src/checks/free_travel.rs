@@ -2,10 +2,10 @@
 
 use dynamics::Calibration;
 
+use crate::numerics::statistics::mean;
 use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::uniform::typical_step;
 use crate::samples::{FitError, Samples};
-use crate::uncertainty::statistics::mean;
 
 /// Time over which torque and angle are averaged, s.
 const BIN_S: f64 = 0.005;

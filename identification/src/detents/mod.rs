@@ -5,6 +5,7 @@ pub(crate) mod angle_bins;
 use dynamics::{Effect, effects};
 
 use crate::estimate::Harmonic;
+use crate::numerics::statistics::rms;
 use crate::numerics::vector::{self, dot};
 use crate::preparation::band::Band;
 use crate::regression::gram::held_out_evidence;
@@ -13,7 +14,6 @@ use crate::regression::problem::{Column, Problem, Searched};
 use crate::regression::refiner::Ended;
 use crate::sinusoids::scan::Scan;
 use crate::sinusoids::{FEWEST_PERIODS, MARGIN, PREDICTS, threshold};
-use crate::uncertainty::statistics::rms;
 
 /// Peaks of the scan that are refined, at most, …
 const CANDIDATES: usize = 3;
@@ -126,10 +126,12 @@ pub(crate) fn search<'a>(
     if clear && !(predicts && left - after > if few { NULL_TEST_OF_FEW } else { NULL_TEST } * null_test) {
         return Err(format!(
             "no detents that can be distinguished from other variation of the torque: the best period (P {period_rad:.4} rad, \
-             {periods:.1} of them in the travel) {}takes away {:.1} times what other periods do; sweep wider, so that the \
-             travel holds more of them",
-            if predicts { "" } else { "does not predict stretches that it was not fitted to, and " },
-            (left - after) / null_test.max(f64::MIN_POSITIVE)
+             {periods:.1} of them in the travel) {}; sweep wider, so that the travel holds more of them",
+            if predicts {
+                format!("takes away only {:.1} times what other periods do", (left - after) / null_test)
+            } else {
+                "does not predict stretches that it was not fitted to".to_owned()
+            }
         ));
     }
     if clear && is_bend(base, &scan, detents, 1.0 / period_rad) {

@@ -13,9 +13,9 @@ use nalgebra::{DMatrix, RowDVector};
 use super::shift::Shift;
 use super::trimmed::{Rows, Trimmed};
 use super::{late_torque, omitted};
+use crate::numerics::statistics::{NORMAL_95, deviation_of_sum, interval, median};
 use crate::preparation::row_filter::{ROWS_PER_EDGE, row_low_pass};
 use crate::regression::problem::Problem;
-use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, interval, median};
 
 /// Share of the band that the narrower fit keeps, and every how many of its rows.
 const NARROWER: f64 = 0.5;

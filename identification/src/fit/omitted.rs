@@ -5,10 +5,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::shift::Shift;
 use super::trimmed::Trimmed;
+use crate::numerics::statistics::rms;
 use crate::numerics::vector::{self, dot};
 use crate::regression::least_squares::{LeastSquares, residual};
 use crate::regression::problem::{Column, Problem};
-use crate::uncertainty::statistics::rms;
 
 /// Speed within which friction near standstill differs from that beyond, as a share of the sliding knob's RMS speed.
 const FRICTION_SPEED: f64 = 0.2;

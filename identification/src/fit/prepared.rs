@@ -7,6 +7,7 @@ use super::trimmed::{trim, untrimmed};
 use crate::detents::{self, Solved};
 use crate::estimate::{Fit, Preparation};
 use crate::karnopp::Stick;
+use crate::numerics::statistics::quantile;
 use crate::numerics::vector;
 use crate::options::{FitOptions, PreparationMethod};
 use crate::preparation::Prepared;
@@ -18,7 +19,6 @@ use crate::preparation::uniform::Uniform;
 use crate::regression::characteristic::{CurveProjection, Measured, Places, measure};
 use crate::regression::problem::Problem;
 use crate::samples::{FitError, Samples};
-use crate::uncertainty::statistics::quantile;
 
 /// Step of an encoder that is coarse for a servo, rad: 17 bits in a turn.
 const COARSE_STEP_RAD: f64 = 5e-5;

@@ -8,11 +8,11 @@ use nalgebra::{DMatrix, RowDVector};
 use super::misfit::Misfit;
 use super::trimmed::{Rows, Trimmed};
 use crate::estimate::{Covariance, Fit, Parameter, Parameters, Point};
+use crate::numerics::statistics::{NORMAL_95, deviation_of_sum, mean, plus_minus, rms, student_95};
 use crate::numerics::vector::{self, dot};
 use crate::preparation::band::Band;
 use crate::regression::least_squares::RobustCovariance;
 use crate::regression::problem::Problem;
-use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, mean, plus_minus, rms, student_95};
 
 /// A parameter is not estimated if the half width of its interval times the RMS of its column exceeds this share of the torque's RMS.
 const HOPELESS: f64 = 0.5;

@@ -13,10 +13,10 @@ use std::ops::Range;
 use dynamics::{Direction, Effect, Minimum, ParameterKind, effects};
 
 use crate::estimate::{Parameter, Parameters};
+use crate::numerics::statistics::{NORMAL_95, mean, mean_and_error, student_95};
 use crate::preparation::motion::KnobMotion;
 use crate::preparation::uniform::Uniform;
 use crate::regression::least_squares::LeastSquares;
-use crate::uncertainty::statistics::{NORMAL_95, mean, mean_and_error, student_95};
 use slide::{Border, Side, Slide};
 
 /// Shortest rest that counts, s.

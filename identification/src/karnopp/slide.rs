@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use dynamics::{Direction, Effect, Motion, Part};
 
-use crate::uncertainty::statistics;
+use crate::numerics::statistics;
 
 /// How far into a rest its end is looked for, in windows.
 const DEEPEST: usize = 4;

@@ -3,10 +3,10 @@
 use nalgebra::{DMatrix, DVectorView};
 
 use crate::detents::angle_bins::MOST_COLUMNS;
+use crate::numerics::statistics::student_95;
 use crate::preparation::filter::Fir;
 use crate::preparation::row_filter::{row_low_pass, row_step};
 use crate::regression::gram;
-use crate::uncertainty::statistics::student_95;
 
 /// Most blocks; when they are full, neighbours merge.
 const MOST_BLOCKS: usize = 128;

@@ -7,7 +7,7 @@ use shared_types::{Convergence, Verdict};
 use super::WithDetents;
 use super::blocks::{Blocks, Solution};
 use super::convergence::{Criterion, MotionRms, relative_half_width};
-use crate::uncertainty::statistics::{deviation_of_sum, interval};
+use crate::numerics::statistics::{deviation_of_sum, interval};
 
 /// Fewest blocks whose scatter gives an interval.
 const FEWEST_BLOCKS: usize = 16;

@@ -6,10 +6,10 @@ use dynamics::{Calibration, Motion};
 
 use super::LiveSample;
 use crate::numerics::interpolation::{NEIGHBOURS, cubic_weights};
+use crate::numerics::statistics::MEDIAN_FOURTH_DIFFERENCE;
 use crate::preparation::compliance::compliance_rad_mnm;
 use crate::preparation::filter::Fir;
 use crate::preparation::row_filter::{GUARD_S, SLOW, row_low_pass};
-use crate::uncertainty::statistics::MEDIAN_FOURTH_DIFFERENCE;
 
 /// The angle's low-pass reaches this much beyond the band in which torque and motion are compared.
 const ANGLE_BAND: f64 = 2.5;

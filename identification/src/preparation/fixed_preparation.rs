@@ -8,7 +8,7 @@ use super::row_filter::{RowFilter, SLOW};
 use super::uniform::Uniform;
 use crate::numerics::derivative::gradient;
 use crate::numerics::lag::prompt;
-use crate::uncertainty::statistics::rms;
+use crate::numerics::statistics::rms;
 
 /// Highest edge as a share of the sample rate.
 const HIGHEST: f64 = 0.45;

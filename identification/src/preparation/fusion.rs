@@ -13,9 +13,9 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 
 use crate::numerics::derivative::gradient;
 use crate::numerics::lag::prompt;
+use crate::numerics::statistics::{mean, rms};
 use crate::preparation::filter::low_pass;
 use crate::preparation::spectrum::{Spectrum, white_density};
-use crate::uncertainty::statistics::{mean, rms};
 
 /// Largest disagreement of both sensors, relative, where both see well.
 const DISAGREEMENT: f64 = 0.1;
@@ -171,8 +171,8 @@ mod tests {
 
     use super::{Sensors, blend};
     use crate::numerics::derivative::gradient;
+    use crate::numerics::statistics::rms;
     use crate::preparation::filter::low_pass;
-    use crate::uncertainty::statistics::rms;
 
     const RATE_HZ: f64 = 2000.0;
     const STEP_RAD: f64 = TAU / 16_384.0;

@@ -11,10 +11,10 @@ use super::filter::{Fir, low_pass};
 use super::fusion::{Sensors, blend};
 use super::uniform::Uniform;
 use crate::numerics::derivative::{GRADIENT_REACH, gradient};
+use crate::numerics::statistics::{MEDIAN_FOURTH_DIFFERENCE, rms};
 use crate::numerics::vector::{self, dot};
 use crate::options::AccelerationUse;
 use crate::samples::{FitError, Samples};
-use crate::uncertainty::statistics::{MEDIAN_FOURTH_DIFFERENCE, rms};
 
 /// Noise in the acceleration's power up to which the encoder does alone: an accelerometer's limited bandwidth costs more.
 const CLEAR: f64 = 1e-4;

@@ -1,7 +1,7 @@
 //! Single readings of the torque that stand out from their neighbours, as a garbled frame or a disturbed line leaves them.
 
+use crate::numerics::statistics::{FOURTH_DIFFERENCE_DEVIATION, fourth_difference, noise_deviation};
 use crate::numerics::vector::smallest_step;
-use crate::uncertainty::statistics::{FOURTH_DIFFERENCE_DEVIATION, fourth_difference, noise_deviation};
 
 /// An outlier deviates from the cubic through its neighbours by more than this many standard deviations of the readings around it …
 const STANDS_OUT: f64 = 12.0;

@@ -11,9 +11,9 @@ use super::filter::Fir;
 use super::motion::KnobMotion;
 use super::uniform::{Uniform, whole};
 use crate::numerics::fourier::Response;
+use crate::numerics::statistics::{rms, runs};
 use crate::numerics::vector;
 use crate::samples::{FEWEST_SAMPLES, FitError};
-use crate::uncertainty::statistics::{rms, runs};
 
 /// Time around stick and reversals that is left out beyond the reach of the filters, s: the smoothed speed rises
 /// before the knob breaks away, and contact rings.

@@ -4,9 +4,9 @@
 //! straight lines between readings. Both look like a signal of far less noise and far more bandwidth than the sensor has: the
 //! jumps from reading to reading fill the spectrum up to half the logger's rate. Only the readings are kept.
 
+use crate::numerics::statistics::quantile;
 use crate::numerics::vector;
 use crate::samples::{PickedSamples, Samples};
-use crate::uncertainty::statistics::quantile;
 
 /// Fewest readings that show a rate of their own.
 const FEWEST_READINGS: usize = 50;

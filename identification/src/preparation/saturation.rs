@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
+use crate::numerics::statistics::{rms, runs};
 use crate::numerics::vector;
-use crate::uncertainty::statistics::{rms, runs};
 
 /// Shortest run of equal values at an end of the range that may be saturation, samples.
 const SHORTEST: usize = 5;

@@ -9,8 +9,8 @@ use super::spectrum::Spectrum;
 use super::wrapped::unwrapped;
 use crate::numerics::interpolation::{advance, cubic_weights};
 use crate::numerics::lag::lagged;
+use crate::numerics::statistics::{mean, median};
 use crate::samples::{PickedSamples, Samples};
-use crate::uncertainty::statistics::{mean, median};
 
 /// Scatter of the sample period, relative to its mean, from which a capture is interpolated onto an even grid.
 const JITTER: f64 = 0.01;

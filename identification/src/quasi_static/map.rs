@@ -2,12 +2,12 @@
 
 use dynamics::Calibration;
 
+use crate::numerics::statistics::noise_deviation;
 use crate::numerics::vector::{extent, smallest_step};
 use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::motion::KnobMotion;
 use crate::preparation::saturation::Saturation;
 use crate::samples::{FEWEST_SAMPLES, Samples};
-use crate::uncertainty::statistics::noise_deviation;
 
 /// Fewest rows of a direction from which its friction is told.
 const FEWEST_ROWS: usize = FEWEST_SAMPLES / 4;

@@ -11,12 +11,12 @@ use dynamics::{Effect, ParameterKind, effects};
 
 use crate::estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 use crate::fit::report::prediction_sd;
+use crate::numerics::statistics::{NORMAL_95, interval, mean, noise_deviation};
 use crate::options::FitOptions;
 use crate::preparation::uniform::typical_step;
 use crate::regression::block_sums::{BlockSums, Estimate, critical};
 use crate::samples::Samples;
 use crate::sinusoids::matching_pursuit::{self, Grid};
-use crate::uncertainty::statistics::{NORMAL_95, interval, mean, noise_deviation};
 use map::Friction;
 pub(crate) use map::Map;
 

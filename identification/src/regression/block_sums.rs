@@ -4,8 +4,8 @@ use nalgebra::DMatrix;
 
 use super::gram::{self, COLLINEAR, Solution};
 use super::least_squares::residual;
+use crate::numerics::statistics::student_95;
 use crate::numerics::vector::dot;
-use crate::uncertainty::statistics::student_95;
 
 /// Stretches of equal length.
 pub(crate) const BLOCKS: usize = 32;

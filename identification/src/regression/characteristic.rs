@@ -6,8 +6,8 @@ use nalgebra::DMatrix;
 
 use super::gram::{COLLINEAR, Correction};
 use super::least_squares::LeastSquares;
+use crate::numerics::statistics::{NORMAL_95, mean};
 use crate::numerics::vector::{self, dot};
-use crate::uncertainty::statistics::{NORMAL_95, mean};
 
 /// Numbers of points that are tried.
 const POINTS: [u16; 5] = [8, 16, 32, 64, 128];

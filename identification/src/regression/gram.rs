@@ -6,8 +6,8 @@ use std::ops::Deref;
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+use crate::numerics::statistics::mean_over_error;
 use crate::numerics::vector;
-use crate::uncertainty::statistics::mean_over_error;
 
 /// A column of which less than this share of the square remains beside the others counts as collinear.
 pub(crate) const COLLINEAR: f64 = 1e-9;

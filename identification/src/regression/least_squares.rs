@@ -6,8 +6,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::gram::{COLLINEAR, Correction, Normal};
 use crate::numerics::vector::{self, dot};
-use crate::uncertainty::leverage::Leverage;
-use crate::uncertainty::long_run;
+use crate::regression::leverage::Leverage;
+use crate::regression::long_run;
 
 /// A correction that would move the prediction by less than this share of the target is rounding, …
 const SETTLED: f64 = 1e-15;

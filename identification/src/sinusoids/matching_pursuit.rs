@@ -7,11 +7,11 @@ use std::f64::consts::{PI, TAU};
 
 use super::{MARGIN, PREDICTS, noise_variance, threshold};
 use crate::estimate::Harmonic;
+use crate::numerics::statistics::{deviation_of_sum, interval, median};
 use crate::numerics::{fourier, vector};
 use crate::regression::block_sums::{BlockSums, Estimate, critical};
 use crate::regression::refiner::{self, Ended, longest_improving};
 use crate::samples::span;
-use crate::uncertainty::statistics::{deviation_of_sum, interval, median};
 
 /// Bins of angle in which the residual is summed for the transform.
 const BINS: usize = 16_384;

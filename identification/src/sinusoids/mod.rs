@@ -5,7 +5,7 @@ pub(crate) mod matching_pursuit;
 pub(crate) mod reduction;
 pub(crate) mod scan;
 
-use crate::uncertainty::statistics::median;
+use crate::numerics::statistics::median;
 
 /// Wavenumbers tried per width of a peak.
 pub(crate) const OVERSAMPLING: usize = 4;

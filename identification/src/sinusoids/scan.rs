@@ -12,11 +12,11 @@ use nalgebra::DMatrix;
 use super::fourier_sums::FourierSums;
 use super::reduction::Reduction;
 use super::{FEWEST_PERIODS, OVERSAMPLING, noise_variance, vertex};
+use crate::numerics::statistics::quantile;
 use crate::numerics::vector::{self, dot};
 use crate::preparation::band::Band;
 use crate::preparation::row_filter::RowFilter;
 use crate::regression::problem::Problem;
-use crate::uncertainty::statistics::quantile;
 
 /// Largest transform.
 const LARGEST_TRANSFORM: usize = 1 << 15;

@@ -60,11 +60,14 @@ fn it_is_found_and_measured_at_its_own_frequency() {
 
 #[test]
 fn it_is_not_found_where_there_is_none_or_it_is_something_else() {
+    let mut false_alarms = 0;
     for seed in 21..=32 {
         // Nothing, and a line of a motor, say.
         for (hum_mnm, hum_hz) in [(0.0, 50.0), (1.0, 44.0)] {
             let found = diagnosed(hum_mnm, hum_hz, seed);
             assert!(!found.effects.contains(&"mains-hum"), "seed {seed}, {hum_mnm} mNm");
+            false_alarms += i32::from(!found.effects.is_empty());
         }
     }
+    assert!(false_alarms <= 1, "{false_alarms} of 24");
 }

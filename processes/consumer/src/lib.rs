@@ -7,10 +7,12 @@
 mod arrivals;
 mod health;
 mod priority;
+mod run;
 mod source;
 mod stop;
 
 pub use health::Health;
 pub use priority::raise_priority;
+pub use run::wait_for_run;
 pub use source::SourceWatch;
 pub use stop::{Stop, StopError};

@@ -51,7 +51,7 @@ fn main() -> ExitCode {
 fn fit_stream(arguments: &Arguments) -> anyhow::Result<()> {
     let stop = Stop::listen()?;
     let mut streams = Streams::attach(arguments.restarts)?;
-    let Some(run) = streams.wait_for_run(&stop, POLL_INTERVAL)? else { return Ok(()) };
+    let Some(run) = streams.wait_for_run(&stop)? else { return Ok(()) };
     // On a rig that renders a hand drives, and the sensor reads what the knob gives instead of what it takes.
     let sign = if run.is_rendered() { -1.0 } else { 1.0 };
     let mut fit = LiveFit::new(run.rate_hz, run.calibration_at_knob()?.as_ref()).converging_to(arguments.share);

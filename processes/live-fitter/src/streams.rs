@@ -1,11 +1,10 @@
 //! The streams that the live fitter receives and publishes.
 
-use std::time::Duration;
-
 use anyhow::Context as _;
 use consumer::{Health, SourceWatch, Stop};
 use shared_types::services::{
-    self, FIT_UPDATES, LOOP_STATUS, MessagePublisher, MessageSubscriber, PROCESS_HEALTH, RigNode, SampleSubscriber,
+    self, FIT_UPDATES, LOOP_STATUS, MessagePublisher, MessageSubscriber, PROCESS_HEALTH, RUN_DESCRIPTION, RigNode,
+    SampleSubscriber,
 };
 use shared_types::{FitUpdate, LoopStatus, ProcessHealth, ProcessKind, RunDescription, Sample, rig};
 
@@ -58,18 +57,9 @@ impl Streams {
     ///
     /// # Errors
     /// When the description cannot be had or understood.
-    pub fn wait_for_run(&mut self, stop: &Stop, interval: Duration) -> anyhow::Result<Option<RunDescription>> {
-        let descriptions = services::description_subscriber(&self.node)?;
-        while !stop.is_asked() {
-            if let Some(json) = descriptions.receive().context("the run's description cannot be received")? {
-                let run = serde_json::from_slice(json.payload())
-                    .context("the run's description cannot be read; use programs of the same build")?;
-                return Ok(Some(run));
-            }
-            self.report_health()?;
-            std::thread::sleep(interval);
-        }
-        Ok(None)
+    pub fn wait_for_run(&mut self, stop: &Stop) -> anyhow::Result<Option<RunDescription>> {
+        let descriptions = RUN_DESCRIPTION.subscriber(&self.node)?;
+        consumer::wait_for_run(&descriptions, stop, || self.report_health())
     }
 
     /// Hands over every sample of the run that waits in the queue.

@@ -42,7 +42,7 @@ fn main() -> anyhow::Result<()> {
     let node = services::attach("flood")?;
     let samples = services::sample_publisher(&node)?;
     let status = LOOP_STATUS.publisher(&node)?;
-    let description = services::description_publisher(&node)?;
+    let description = services::RUN_DESCRIPTION.publisher(&node)?;
     let run = RunDescription {
         run_id: RUN_ID,
         rate_hz: options.rate_hz,

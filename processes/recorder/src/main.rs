@@ -60,7 +60,7 @@ fn main() -> ExitCode {
 fn record(arguments: &Arguments) -> anyhow::Result<u64> {
     let stop = consumer::Stop::listen()?;
     let mut streams = streams::Streams::attach(arguments.restarts)?;
-    let Some(run) = streams.wait_for_run(&stop, POLL_INTERVAL)? else {
+    let Some(run) = streams.wait_for_run(&stop)? else {
         tracing::info!("stopped before a run began; nothing recorded");
         return Ok(0);
     };

@@ -1,12 +1,10 @@
 //! What the recorder listens to.
 
-use std::time::Duration;
-
 use anyhow::Context as _;
 use consumer::{Health, Stop};
 use shared_types::services::{
-    self, FIT_UPDATES, LOOP_STATUS, MessagePublisher, MessageSubscriber, PROCESS_HEALTH, RigNode, SampleSubscriber,
-    TextSubscriber,
+    self, FIT_UPDATES, LOOP_STATUS, MODEL_CHANGES, MessagePublisher, MessageSubscriber, PROCESS_HEALTH,
+    RUN_DESCRIPTION, RigNode, SampleSubscriber, TextSubscriber,
 };
 use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, ProcessKind, RunDescription, rig};
 
@@ -34,7 +32,7 @@ impl Streams {
             status: LOOP_STATUS.subscriber(&node)?,
             fits: FIT_UPDATES.subscriber(&node)?,
             healths: PROCESS_HEALTH.subscriber(&node)?,
-            models: services::model_subscriber(&node)?,
+            models: MODEL_CHANGES.subscriber(&node)?,
             own_health: PROCESS_HEALTH.publisher(&node)?,
             health: Health::new(ProcessKind::Recorder, restarts),
             node,
@@ -42,18 +40,9 @@ impl Streams {
     }
 
     /// Waits until a run is described; `None` when asked to stop before.
-    pub(crate) fn wait_for_run(&mut self, stop: &Stop, interval: Duration) -> anyhow::Result<Option<RunDescription>> {
-        let descriptions = services::description_subscriber(&self.node)?;
-        while !stop.is_asked() {
-            if let Some(json) = descriptions.receive().context("the run's description cannot be received")? {
-                let run = serde_json::from_slice(json.payload())
-                    .context("the run's description cannot be read; use programs of the same build")?;
-                return Ok(Some(run));
-            }
-            self.report_health(0)?;
-            std::thread::sleep(interval);
-        }
-        Ok(None)
+    pub(crate) fn wait_for_run(&mut self, stop: &Stop) -> anyhow::Result<Option<RunDescription>> {
+        let descriptions = RUN_DESCRIPTION.subscriber(&self.node)?;
+        consumer::wait_for_run(&descriptions, stop, || self.report_health(0))
     }
 
     /// Writes everything that waits in the queues.

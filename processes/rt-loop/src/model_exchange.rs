@@ -38,7 +38,7 @@ impl ModelExchange {
     ) -> Result<Self, ServiceError> {
         let exchange = Self {
             server: services::model_server(node)?,
-            changes: services::model_publisher(node)?,
+            changes: services::MODEL_CHANGES.publisher(node)?,
             port,
             admission,
             run_id: run.run_id,

@@ -81,7 +81,7 @@ impl StreamPublisher {
         let publisher = Self {
             samples: services::sample_publisher(&node)?,
             status: LOOP_STATUS.publisher(&node)?,
-            description: services::description_publisher(&node)?,
+            description: services::RUN_DESCRIPTION.publisher(&node)?,
             control: services::control_server(&node)?,
             models: ModelExchange::open(&node, models, description, admission)?,
             incoming: samples,

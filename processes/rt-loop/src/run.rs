@@ -115,7 +115,7 @@ pub fn run(request: &RunRequest, registry: Registry<'_>) -> anyhow::Result<()> {
     let (tell_permission, permission) = mpsc::channel();
     let (start, may_start) = mpsc::channel::<()>();
     let core = plan.core;
-    let real_time = std::thread::Builder::new().name("real-time".to_owned()).spawn(move || {
+    let thread = std::thread::Builder::new().name("real-time".to_owned()).spawn(move || {
         block_signals();
         let _ = tell_permission.send(Permission::acquire(core));
         // Until the stream is open; if it cannot be opened the amplifier stays off.
@@ -124,6 +124,7 @@ pub fn run(request: &RunRequest, registry: Registry<'_>) -> anyhow::Result<()> {
         }
         tick_loop.run()
     })?;
+    let mut real_time = RealTimeThread { shared, start: Some(start), thread: Some(thread) };
     let permission = permission.recv().context("the real-time thread ended before it began")?;
     keep_off_core(core);
     prefer_publisher();
@@ -139,8 +140,7 @@ pub fn run(request: &RunRequest, registry: Registry<'_>) -> anyhow::Result<()> {
     if must_end() {
         return Ok(());
     }
-    start.send(()).context("the real-time thread ended before it began")?;
-    let real_time = RunningLoop { shared, thread: Some(real_time) };
+    real_time.start()?;
     let served = publisher.serve(must_end, || {
         if let Some(fault) = &fault {
             fault.panic_if_requested();
@@ -232,14 +232,22 @@ fn prepare(
     }
 }
 
-/// The real-time thread at work. However this thread ends, by a panic too, the loop ends first and switches the
-/// amplifier off.
-struct RunningLoop {
+/// The real-time thread. However this thread ends, by a panic too, that one ends first and switches the amplifier off.
+struct RealTimeThread {
     shared: Arc<SharedState>,
+    /// Until the loop may begin.
+    start: Option<mpsc::Sender<()>>,
     thread: Option<JoinHandle<Result<(), ApparatusError>>>,
 }
 
-impl RunningLoop {
+impl RealTimeThread {
+    /// Lets the loop begin.
+    fn start(&mut self) -> anyhow::Result<()> {
+        let is_begun = self.start.take().is_some_and(|start| start.send(()).is_ok());
+        anyhow::ensure!(is_begun, "the real-time thread ended before it began");
+        Ok(())
+    }
+
     fn is_running(&self) -> bool {
         self.thread.as_ref().is_some_and(|thread| !thread.is_finished())
     }
@@ -260,12 +268,13 @@ impl RunningLoop {
     }
 
     fn end(&mut self) -> Option<std::thread::Result<Result<(), ApparatusError>>> {
+        self.start = None;
         self.shared.quit();
         self.thread.take().map(JoinHandle::join)
     }
 }
 
-impl Drop for RunningLoop {
+impl Drop for RealTimeThread {
     fn drop(&mut self) {
         let _ = self.end();
     }

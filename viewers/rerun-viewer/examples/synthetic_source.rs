@@ -139,7 +139,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let planned_ticks = (duration_s * RATE_HZ) as u64;
     let node = services::attach("synthetic")?;
     let samples = services::sample_publisher(&node)?;
-    let descriptions = services::description_publisher(&node)?;
+    let descriptions = services::RUN_DESCRIPTION.publisher(&node)?;
     let statuses = services::LOOP_STATUS.publisher(&node)?;
     let fits = services::FIT_UPDATES.publisher(&node)?;
     let reports = services::PROCESS_HEALTH.publisher(&node)?;

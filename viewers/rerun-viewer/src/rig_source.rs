@@ -35,8 +35,8 @@ impl RigSource {
         let node = services::attach("rerun-viewer")?;
         Ok(Self {
             samples: services::sample_subscriber(&node)?,
-            description: services::description_subscriber(&node)?,
-            models: services::model_subscriber(&node)?,
+            description: services::RUN_DESCRIPTION.subscriber(&node)?,
+            models: services::MODEL_CHANGES.subscriber(&node)?,
             status: services::LOOP_STATUS.subscriber(&node)?,
             fits: services::FIT_UPDATES.subscriber(&node)?,
             health: services::PROCESS_HEALTH.subscriber(&node)?,

@@ -12,9 +12,9 @@ use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::search::hypotheses;
 use crate::diagnosis::search::judged::{Judged, p_value};
+use crate::numerics::statistics::{NORMAL_95, plus_minus};
 use crate::numerics::vector::dot;
 use crate::preparation::motion::KnobMotion;
-use crate::uncertainty::statistics::{NORMAL_95, plus_minus};
 
 /// Angles between two zeros that are tried per radian of the finest torque's phase.
 const PER_PHASE: f64 = 3.0;

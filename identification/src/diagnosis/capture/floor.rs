@@ -8,8 +8,8 @@ use rand_xoshiro::rand_core::SeedableRng as _;
 use super::Capture;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::derivative::gradient;
+use crate::numerics::statistics::quantile;
 use crate::numerics::vector::dot;
-use crate::uncertainty::statistics::quantile;
 
 /// Most and fewest rows of a stretch whose mean square is taken: within these limits, a capture is divided into twice …
 const STRETCH_ROWS: usize = 60;

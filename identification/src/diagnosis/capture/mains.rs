@@ -6,7 +6,7 @@ use std::ops::Range;
 use realfft::num_complex::Complex;
 
 use crate::numerics::fourier;
-use crate::uncertainty::statistics::mean;
+use crate::numerics::statistics::mean;
 
 /// Frequencies of the mains, Hz, …
 const MAINS_HZ: [f64; 2] = [50.0, 60.0];

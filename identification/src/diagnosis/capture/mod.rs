@@ -17,6 +17,7 @@ use dynamics::{Axis, Calibration, Motion, Scene};
 use self::mains::MainsSpectrum;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::derivative::gradient;
+use crate::numerics::statistics::noise_deviation;
 use crate::numerics::vector::{self, dot, smallest_step};
 use crate::options::AccelerationUse;
 use crate::preparation::band::Band;
@@ -27,7 +28,6 @@ use crate::preparation::sensor_noise::SensorNoise;
 use crate::preparation::uniform::Uniform;
 use crate::quasi_static::Map;
 use crate::samples::{FitError, Samples};
-use crate::uncertainty::statistics::noise_deviation;
 
 /// Widest upper edge of the comparison, Hz: contact and shaft show below it, a rig's own resonances lie above.
 pub(crate) const EDGE_HZ: f64 = 200.0;

@@ -1,11 +1,11 @@
 //! The torque sensor's noise, as it shows while the knob rests.
 
 use super::periodogram::periodogram;
+use crate::numerics::statistics::median;
 use crate::numerics::vector;
 use crate::preparation::motion::KnobMotion;
 use crate::preparation::row_filter::RowFilter;
 use crate::preparation::uniform::Uniform;
-use crate::uncertainty::statistics::median;
 
 /// Shortest rest from which the noise is read, beyond the filter's length, s.
 const REST_S: f64 = 0.08;

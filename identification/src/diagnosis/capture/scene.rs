@@ -4,8 +4,8 @@ use dynamics::Scene;
 
 use super::Capture;
 use crate::diagnosis::model_fit::structure::Structure;
+use crate::numerics::statistics::{quantile, rms};
 use crate::samples::span;
-use crate::uncertainty::statistics::{quantile, rms};
 
 impl Capture {
     /// The scene beside a structure, whose inertia and detents also bound an effect.

@@ -8,8 +8,8 @@ use crate::diagnosis::capture::Capture;
 use crate::diagnosis::findings::Value;
 use crate::diagnosis::model_fit::nonlinear::Nonlinear;
 use crate::diagnosis::model_fit::structure::Structure;
+use crate::numerics::statistics::student_95;
 use crate::regression::least_squares::LeastSquares;
-use crate::uncertainty::statistics::student_95;
 
 /// Values with intervals of each effect of a structure that was fitted to a capture.
 ///

@@ -11,7 +11,7 @@ use dynamics::{Effect, Part};
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::nonlinear::Nonlinear;
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::uncertainty::statistics::quantile;
+use crate::numerics::statistics::quantile;
 
 /// Shares of the largest torque that are tried as limits, together with everything else …
 const LEVELS: [f64; 2] = [0.3, 1.0];

@@ -11,11 +11,11 @@ use crate::diagnosis::findings::{UnequalDetent, Value};
 use crate::diagnosis::model_fit::lobes::{Lobes, Unit};
 use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::model_fit::structure::Structure;
+use crate::numerics::statistics::{deviation_of_sum, interval, mean, student_95};
 use crate::numerics::vector::dot;
 use crate::regression::characteristic::holds;
 use crate::regression::least_squares::LeastSquares;
 use crate::regression::refiner::{self, longest_improving};
-use crate::uncertainty::statistics::{deviation_of_sum, interval, mean, student_95};
 
 /// Gauss–Newton steps.
 const STEPS: usize = 12;

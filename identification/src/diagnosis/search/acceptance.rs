@@ -36,16 +36,18 @@ pub(crate) const LOWER_FLOOR: f64 = 0.8;
 /// Whether one more effect explains enough, and with enough certainty; `first` is the model without further effects.
 pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldout: &Capture) -> bool {
     let floor = after.heldout_floor_mnm;
-    let [_, closed] = gap_and_closed(before, after);
+    let [gap, closed] = gap_and_closed(before, after);
     let is_steady = after.steadily_better_than(before) > STEADY;
-    // An end stop may act in a few stretches only; then the held-out capture, which was never fitted, must speak for it.
-    let unseen = heldout.weight * (before.heldout_rms_mnm / after.heldout_rms_mnm).ln();
+    // An end stop may act in a few stretches only; then the held-out capture, which was never fitted, must speak for it, and the other stretches
+    // not against it.
+    let unseen = heldout.weight * (before.heldout_rms_mnm / after.heldout_rms_mnm).ln() * after.kept_share(before);
     // A few stretches prove nothing if a simulated body can stick, since anything may decide whether it breaks away at one moment. Nor do
     // they if much of the residual is not noise, since the likelihood takes all of it for noise.
     let may_be_seldom =
         !(before.structure.is_coupled() && before.structure.sticks()) && after.heldout_over_floor() < MOSTLY_NOISE;
     let predicts = after.heldout_over_floor() < MOSTLY_NOISE || after.heldout_p_value(before) < CHANCE;
-    let takes_enough = explains_enough(before, after) && closed > SMALLEST * floor * floor;
+    // A residual below the floor has no share that one could take away.
+    let takes_enough = gap > 0.0 && explains_enough(before, after) && closed > SMALLEST * floor * floor;
     // Near the floor, the floor's uncertainty exceeds the gap, but the gain of a first effect in stretch after stretch does not depend on the floor.
     // A later effect could imitate what the first one leaves, and an effect that is fitted to each capture predicts nothing.
     let is_first = before.structure.effects.iter().all(|effect| first.structure.position(effect.kind().name).is_some());

@@ -14,9 +14,9 @@ use crate::diagnosis::search::acceptance::{FALSE_DISCOVERIES, LEFT, takes_its_pa
 use crate::diagnosis::search::found::Found;
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::null_test;
+use crate::numerics::statistics::{NORMAL_95, false_discovery_rate, interval};
 use crate::regression::characteristic::{CharacteristicPoint, Spline, holds};
 use crate::regression::least_squares::LeastSquares;
-use crate::uncertainty::statistics::{NORMAL_95, false_discovery_rate, interval};
 
 /// Points of a spline that are tried: a scratch over a twentieth of the travel needs many.
 const POINTS: [u16; 4] = [8, 16, 32, 64];

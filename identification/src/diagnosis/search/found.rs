@@ -7,7 +7,7 @@ use crate::diagnosis::capture::Capture;
 use crate::diagnosis::findings::{Characteristic, Partial};
 use crate::diagnosis::search::acceptance::takes_its_part;
 use crate::diagnosis::search::judged::Judged;
-use crate::uncertainty::statistics::false_discovery_rate;
+use crate::numerics::statistics::false_discovery_rate;
 
 /// The model without further effects, and what was added to it.
 #[derive(Clone)]

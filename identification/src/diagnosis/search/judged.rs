@@ -7,9 +7,9 @@ use crate::diagnosis::model_fit::nonlinear::Nonlinear;
 use crate::diagnosis::model_fit::residuals;
 use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::numerics::vector::dot;
+use crate::numerics::statistics::{mean_over_error, student_above};
+use crate::numerics::vector::{dot, sum};
 use crate::regression::least_squares::LeastSquares;
-use crate::uncertainty::statistics::{mean_over_error, student_above};
 
 /// Stretches over which a comparison of two structures is repeated.
 const BLOCKS: usize = 60;
@@ -153,6 +153,13 @@ impl Judged {
     /// than `other` as it does; one where the two differ in too few stretches to say.
     pub(crate) fn heldout_p_value(&self, other: &Self) -> f64 {
         p_value(&other.heldout_residual, &self.heldout_residual)
+    }
+
+    /// Share of this structure's gains over `other` in stretches of the held-out capture that it does not lose in other stretches.
+    pub(crate) fn kept_share(&self, other: &Self) -> f64 {
+        let gains = stretches(&other.heldout_residual, &self.heldout_residual);
+        let (won, lost): (Vec<f64>, Vec<f64>) = gains.into_iter().partition(|gain| *gain > 0.0);
+        1.0 + sum(&lost) / sum(&won).max(f64::MIN_POSITIVE)
     }
 
     /// Mean gain of this structure over `other`, in standard errors, over the stretches of both captures in which the two differ

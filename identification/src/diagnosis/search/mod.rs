@@ -29,8 +29,8 @@ use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::model_fit::unequal;
 use crate::diagnosis::workflow::{DiagnoseOptions, Progress};
 use crate::fit::fit_without_notes;
+use crate::numerics::statistics::false_discovery_rate;
 use crate::numerics::vector::dot;
-use crate::uncertainty::statistics::false_discovery_rate;
 use crate::{FitError, FitOptions, Samples};
 
 /// Most effects that are added.

@@ -4,9 +4,9 @@ use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::nonlinear::Nonlinear;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::search::judged::Judged;
+use crate::numerics::statistics::median;
 use crate::numerics::vector::dot;
 use crate::regression::least_squares::{LeastSquares, residual};
-use crate::uncertainty::statistics::median;
 
 /// Shifts of the columns, as shares of the capture.
 const SHIFTS: [f64; 5] = [0.19, 0.31, 0.43, 0.61, 0.77];

@@ -6,8 +6,8 @@ use dynamics::{Calibration, Model, Motion};
 use super::FORWARD_WINDOW_S;
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::findings::ForwardFromCommand;
+use crate::numerics::statistics::rms;
 use crate::regression::least_squares::LeastSquares;
-use crate::uncertainty::statistics::rms;
 
 /// Speed below which the motor's friction is not read off, as a share of the RMS speed.
 const SLOW: f64 = 0.1;

@@ -10,7 +10,7 @@ use crate::diagnosis::findings::{Diagnosis, Step, Value, Verdict};
 use crate::diagnosis::search::Search;
 use crate::diagnosis::search::acceptance::FALSE_DISCOVERIES;
 use crate::diagnosis::search::judged::Judged;
-use crate::uncertainty::statistics::{NORMAL_95, interval};
+use crate::numerics::statistics::{NORMAL_95, interval};
 
 impl Search<'_> {
     /// Adds `mains-hum` to a diagnosis without it if both captures have the line of one above their band.

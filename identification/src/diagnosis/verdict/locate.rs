@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use crate::diagnosis::capture::periodogram::periodogram;
 use crate::diagnosis::capture::{Capture, SLIDING};
 use crate::diagnosis::model_fit::structure::Structure;
+use crate::numerics::statistics::{false_discovery_rate, mean_over_error, median, student_above};
 use crate::numerics::vector::dot;
-use crate::uncertainty::statistics::{false_discovery_rate, mean_over_error, median, student_above};
 
 /// Bins of a coordinate, each with as many rows.
 const BINS: usize = 24;

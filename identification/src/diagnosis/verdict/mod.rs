@@ -23,8 +23,8 @@ use crate::diagnosis::search::found::{Added, Found};
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::{Search, null_test};
 use crate::fit::report::one_sided_friction;
+use crate::numerics::statistics::rank_correlation;
 use crate::numerics::vector::dot;
-use crate::uncertainty::statistics::rank_correlation;
 
 /// RMS in floors above which something is left even if the residual depends on no coordinate. If noise is stronger at low frequencies, the rests
 /// in which it is measured are too short to show all of it. Of 34 captures with such noise and nothing hidden, four left 1.6 to 1.8 floors.

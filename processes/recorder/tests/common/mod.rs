@@ -81,7 +81,7 @@ impl Rig {
             samples: services::sample_publisher(&node).unwrap(),
             status: LOOP_STATUS.publisher(&node).unwrap(),
             fits: FIT_UPDATES.publisher(&node).unwrap(),
-            description: services::description_publisher(&node).unwrap(),
+            description: services::RUN_DESCRIPTION.publisher(&node).unwrap(),
             published: 0,
             process_id: std::process::id(),
             _node: node,
