@@ -7,7 +7,7 @@ use report::{CaptureFacts, DiagnosisNumbers, DiagnosisPage, FigureNumbers};
 use serde::Serialize;
 
 use crate::AnalysisError;
-use crate::error::same_axis;
+use crate::error::{common_axis, same_axis};
 
 /// Finds what a model lacks, using all that is known of the rig. The default model has inertia, friction and detents. The captures
 /// exchange their roles if the missing effects can be named only so.
@@ -47,6 +47,7 @@ fn options<'a>(
     model: Option<Model>,
     progress: Option<&'a (dyn Fn(Progress) + Sync)>,
 ) -> Result<DiagnoseOptions<'a>, AnalysisError> {
+    common_axis([Some(train), heldout].into_iter().flatten().map(|one| one.capture.axis))?;
     model.iter().try_for_each(|model| same_axis(model, train))?;
     let judge = heldout.unwrap_or(train);
     let commanded = train.commanded_torque_mnm().zip(judge.commanded_torque_mnm());

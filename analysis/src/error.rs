@@ -57,6 +57,9 @@ pub enum AnalysisError {
         /// Its axis.
         has: Axis,
     },
+    /// Captures of a turned and of a pressed control together.
+    #[error("some captures are rotary and some linear; give one kind")]
+    TwoAxes,
     /// A capture that cannot be read.
     #[error(transparent)]
     Load(#[from] LoadError),
@@ -87,6 +90,16 @@ pub enum AnalysisError {
         /// What is wrong with it.
         error: SpecificationError,
     },
+}
+
+/// The axis that several captures must have in common; without captures, the rotary one.
+///
+/// # Errors
+/// [`AnalysisError::TwoAxes`].
+pub fn common_axis(axes: impl IntoIterator<Item = Axis>) -> Result<Axis, AnalysisError> {
+    let mut axes = axes.into_iter();
+    let first = axes.next().unwrap_or_default();
+    if axes.all(|axis| axis == first) { Ok(first) } else { Err(AnalysisError::TwoAxes) }
 }
 
 /// Refuses a model of what moves along another axis than what was captured.

@@ -32,7 +32,9 @@ pub fn facts(loaded: &LoadedCapture) -> CaptureFacts {
         knob: run.knob.clone(),
         rig: run.apparatus.clone(),
         captured_at: captured_at(run.clock.wall_clock_time_ns),
-        missed_ticks: Some((capture.ticks_without_sample() + first_tick).saturating_sub(lost)),
+        missed_ticks: Some(
+            (capture.ticks_without_sample() + first_tick).saturating_sub(lost + capture.unmeasured_samples),
+        ),
         gaps: Some(lost),
         real_time: Some(run.realtime & shared_types::realtime::FULL == shared_types::realtime::FULL),
         ..facts

@@ -6,7 +6,7 @@ use loaded_capture::LoadedCapture;
 use report::{CaptureFacts, FigureNumbers, FitNumbers};
 use serde::Serialize;
 
-use crate::{AnalysisError, facts};
+use crate::{AnalysisError, common_axis, facts};
 
 /// Fits a capture, using what is known about its rig.
 ///
@@ -42,8 +42,10 @@ pub fn fit_with(loaded: &LoadedCapture, options: &FitOptions) -> Result<Fit, Ana
 /// The fit of a capture, or the mean of the fits of several captures of one control; `None` without captures.
 ///
 /// # Errors
-/// [`AnalysisError::Fit`], with the reason in one sentence.
+/// [`AnalysisError::Fit`], with the reason in one sentence, or [`AnalysisError::TwoAxes`].
 pub fn mean_fit<'a>(captures: impl IntoIterator<Item = &'a LoadedCapture>) -> Result<Option<Fit>, AnalysisError> {
+    let captures: Vec<&LoadedCapture> = captures.into_iter().collect();
+    common_axis(captures.iter().map(|one| one.capture.axis))?;
     let fits = captures.into_iter().map(|loaded| fit_with(loaded, &fit_options(loaded)));
     Ok(identification::average(&fits.collect::<Result<Vec<_>, _>>()?).map(|average| average.fit))
 }

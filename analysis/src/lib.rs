@@ -24,7 +24,7 @@ pub use calibration::CalibrationKind;
 pub use check::{Check, CheckedQuantity, LostMotionError, Shown, Threshold};
 pub use comparison::Comparing;
 pub use diagnosis::{DiagnosisResult, diagnose, diagnose_in_these_roles, diagnosed_model, refuse_drawn};
-pub use error::AnalysisError;
+pub use error::{AnalysisError, common_axis};
 pub use facts::{facts, fit_page};
 pub use fit::{AverageResult, FitResult, common_truth, fit, fit_options, fit_with, mean_fit, titles};
 pub use rendering::{RenderedCaptures, holding_torque_mnm, rendering};

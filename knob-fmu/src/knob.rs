@@ -85,7 +85,13 @@ impl Knob {
             Variable::Angle => self.motion.angle_rad = value,
             Variable::Velocity => self.motion.velocity_rad_s = value,
             Variable::Acceleration => self.motion.acceleration_rad_s2 = value,
-            Variable::AddedInertia if self.running.is_none() => self.added_inertia = value,
+            Variable::AddedInertia if self.running.is_none() => {
+                if !(value >= 0.0 && value.is_finite()) {
+                    let (parameter, requirement) = ("added_inertia", "at least zero, and finite");
+                    return Err(KnobError::OutOfRange { parameter, value, requirement });
+                }
+                self.added_inertia = value;
+            }
             Variable::Parameter(index) if self.running.is_none() => {
                 let (kind, _) = self.model.parameters().nth(index).ok_or(KnobError::Unknown(reference))?;
                 if !kind.minimum.permits(value) {

@@ -2,6 +2,7 @@
 
 mod joined;
 
+use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
 use archive::testers::{ColumnChoice, Curve};
@@ -12,6 +13,8 @@ use identification::Samples;
 
 /// The first line of a calibration's file that was written here.
 pub const CALIBRATION_MARK: &str = "## made by haptic-camera\n";
+/// The second line of such a file beside the table of a replay, whose torque is that of the rendered knob.
+const OF_REPLAY_MARK: &str = "## of a replay\n";
 
 /// A capture with what is known of the rig that made it.
 #[derive(Clone, Debug, Default)]
@@ -105,7 +108,8 @@ impl LoadedCapture {
             .attached_text(attachment::MODEL)
             .map(|text| Model::from_toml(text, &format!("the model in {}", path.display())))
             .transpose()?;
-        let seen = |known: Calibration| if capture.is_rendered() { known.seen_from_the_hand() } else { known };
+        let of_replay = capture.is_rendered() || calibration_file.as_deref().is_some_and(is_of_replay);
+        let seen = |known: Calibration| if of_replay { known.seen_from_the_hand() } else { known };
         let calibration = calibration.map(seen);
         Ok(Self { capture, calibration, calibration_file, truth, is_quasi_static: false })
     }
@@ -172,14 +176,27 @@ impl LoadedCapture {
             return Ok(None);
         };
         let beside = calibration_beside(path);
-        let text = CALIBRATION_MARK.to_owned() + &calibration.to_toml();
-        // Another one may be the only copy of a rig's.
+        // A file holds a calibration as the rig has it. Seen from the hand, the stiffness is negative.
+        let text = if calibration.torque_sensor_stiffness_mnm_rad < 0.0 {
+            format!("{CALIBRATION_MARK}{OF_REPLAY_MARK}{}", calibration.seen_from_the_hand().to_toml())
+        } else {
+            format!("{CALIBRATION_MARK}{}", calibration.to_toml())
+        };
+        // A calibration that differs may be the only copy of a rig's: it is not replaced.
         let is_the_same = std::fs::read(&beside).is_ok_and(|found| found == text.as_bytes());
         let replace = if is_the_same { Replace::Anything } else { Replace::Nothing };
         whole_file::check(&beside, replace)?;
         self.capture.write_csv(path)?;
         write_bytes(&beside, replace, text.as_bytes())?;
         Ok(Some(beside))
+    }
+
+    /// Writes the capture as an archive, with the torque as the rig's sensor reads it.
+    ///
+    /// # Errors
+    /// As [`Capture::write_mcap_to`].
+    pub fn write_mcap_to<W: Write + Seek>(&self, output: W) -> Result<(), ArchiveError> {
+        self.capture.clone().of_knob().write_mcap_to(output)
     }
 
     /// Torque commanded from the motor, mNm; `None` for a table or a simulation without it.
@@ -214,6 +231,11 @@ fn existing_calibration_beside(table: &Path) -> Result<Option<PathBuf>, LoadErro
         Ok(exists) => Ok(exists.then_some(path)),
         Err(error) => Err(LoadError::Beside { path, error }),
     }
+}
+
+/// Whether the table beside a calibration is one of a replay.
+fn is_of_replay(calibration: &Path) -> bool {
+    foreign_files::read_text(calibration).is_ok_and(|text| text.contains(OF_REPLAY_MARK))
 }
 
 /// The values as they were `delay_s` before each time, along straight lines.

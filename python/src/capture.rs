@@ -292,11 +292,10 @@ impl Capture {
     /// Error
     ///     If the name ends otherwise, there is a file already, or the folder cannot be written to.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        let capture = &self.loaded.capture;
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
         py.detach(|| match ending.as_str() {
             "csv" => self.loaded.write_csv(&path).map(drop).map_err(raised),
-            "mcap" => write_whole(&path, Replace::Nothing, |place| capture.write_mcap_to(place)).map_err(raised),
+            "mcap" => write_whole(&path, Replace::Nothing, |place| self.loaded.write_mcap_to(place)).map_err(raised),
             _ => Err(Error::new_err(format!(
                 "{} has none of the endings that a capture can be saved as; name the file .mcap or .csv",
                 path.display()

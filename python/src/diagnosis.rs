@@ -200,23 +200,23 @@ impl Diagnosis {
 
     /// The verdict in one sentence.
     #[getter]
-    fn summary(&self) -> &str {
-        &self.found.summary
+    fn summary(&self) -> String {
+        self.said(&self.found.summary)
     }
 
-    /// RMS that the model without further effects leaves of the held-out capture, mNm.
+    /// RMS that the model without further effects leaves of the held-out capture, mNm; of what is pressed or slid N.
     #[getter]
     fn heldout_rms_before(&self) -> f64 {
         self.found.heldout_rms_before
     }
 
-    /// RMS that the final model leaves of it, mNm.
+    /// RMS that the final model leaves of it, in the same unit.
     #[getter]
     fn heldout_rms_after(&self) -> f64 {
         self.found.heldout_rms_after
     }
 
-    /// RMS that the sensors' noise leaves beside a complete model, mNm.
+    /// RMS that the sensors' noise leaves beside a complete model, in the same unit.
     #[getter]
     fn noise_floor_rms(&self) -> f64 {
         self.found.noise_floor_rms
@@ -239,7 +239,7 @@ impl Diagnosis {
 
     /// The report page, one HTML file that fetches nothing.
     fn to_html(&self) -> String {
-        self.train.capture.axis.words(&report::diagnosis_page(&self.page())).into_owned()
+        self.said(&report::diagnosis_page(&self.page()))
     }
 
     /// Write the report page.
@@ -254,7 +254,7 @@ impl Diagnosis {
     }
 
     fn __repr__(&self) -> String {
-        format!("<Diagnosis: {}>", self.found.summary)
+        format!("<Diagnosis: {}>", self.summary())
     }
 
     /// Its captures are not copied about.

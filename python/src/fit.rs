@@ -96,6 +96,7 @@ pub(crate) fn fit(py: Python<'_>, captures: OneOrMore<CaptureOrPath>, preparatio
     if captures.is_empty() {
         return Err(Error::new_err("there is no capture to fit; give at least one"));
     }
+    analysis::common_axis(captures.iter().map(|one| one.capture.axis)).map_err(raised)?;
     let mut each = Vec::with_capacity(captures.len());
     for capture in &captures {
         let capture = Arc::clone(capture);

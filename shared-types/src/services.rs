@@ -185,13 +185,14 @@ impl<Payload: WireMessage + ZeroCopySend + Debug + Copy + 'static> Topic<Payload
 /// Attaches the calling process to the rig, clearing away what dead processes left.
 ///
 /// # Errors
-/// [`ServiceError::Unavailable`] when the runtime directory or shared memory cannot be used.
+/// [`ServiceError::RuntimeDirectory`], [`ServiceError::NoRoom`] or [`ServiceError::Unavailable`] when the runtime directory or shared memory
+/// cannot be used.
 pub fn attach(process_name: &str) -> Result<RigNode, ServiceError> {
     // What it warns of, such as what a killed process left behind, is in order here; `IOX2_LOG_LEVEL` asks for more.
     set_log_level_from_env_or(LogLevel::Error);
     shared_memory::check_any_room()?;
     let name = process_name.try_into().map_err(|error| unavailable("node", &error))?;
-    // Until the node is there, or a clean-up could remove its folder.
+    // Held until the node is there: until then a clean-up would take its folder for left behind.
     let held = shared_memory_dir::hold()?;
     let node = NodeBuilder::new()
         .name(&name)

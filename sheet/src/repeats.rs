@@ -82,6 +82,14 @@ pub enum CurveError {
     /// A curve has next to no press.
     #[error("it has almost no press: the travel never exceeds that of its first row by 0.2 mm")]
     NoPress,
+    /// A travel that no control has.
+    #[error(
+        "its travel spans {travel_mm:.3e} mm, which no control has; check its unit, or take out rows without a reading"
+    )]
+    TooFar {
+        /// The travel, mm.
+        travel_mm: f64,
+    },
     /// A control was turned too fast for static figures.
     #[error(
         "the control was turned at {speed_rad_s:.1} rad/s, too fast for static figures; capture the sweep `slow-turn`"

@@ -172,7 +172,10 @@ impl FileLimits {
         let found = match &self.unit {
             None => Some((first, 1.0)),
             // Turned and pressed controls have figures of one name.
-            Some(unit) => named().find_map(|kind| Some((kind, factor(kind.unit, unit)?))),
+            Some(unit) => {
+                let own = named().find(|kind| kind.unit == unit).map(|kind| (kind, 1.0));
+                own.or_else(|| named().find_map(|kind| Some((kind, factor(kind.unit, unit)?))))
+            }
         };
         let (kind, factor) = found.ok_or_else(|| SpecificationError::Unit {
             figure: name.to_owned(),
@@ -201,10 +204,8 @@ fn axis_of(branch: &str) -> Option<Axis> {
 /// The size of a unit in a figure's own.
 fn factor(own: &str, unit: &str) -> Option<f64> {
     use Quantity::{Angle, Energy, Force, Number, Time, Torque, Travel};
-    if own == unit {
-        return Some(1.0);
-    }
-    let of = [Angle, Torque, Travel, Force, Energy, Time, Number]
+    // Energy first, since `N mm` is a unit of torque, too.
+    let of = [Energy, Angle, Torque, Travel, Force, Time, Number]
         .into_iter()
         .find(|quantity| quantity.factor(own).is_some())?;
     Some(of.factor(unit)? / of.factor(own)?)

@@ -127,7 +127,7 @@ fn set_motors(root: Node<'_, '_>, found: Node<'_, '_>, joint: &Joint) -> Result<
     }
     motors.push_str("  </actuator>\n");
     // MJCF takes any number of such sections.
-    let end = root.range().end - "</mujoco>".len();
+    let end = root.document().input_text()[..root.range().end].rfind("</").unwrap_or(root.range().end);
     edits.push(Edit { place: end..end, with: motors });
     Ok(edits)
 }

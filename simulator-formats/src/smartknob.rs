@@ -167,10 +167,13 @@ pub fn smartknob(model: &Model, motor_mnm_per_v: f64, motions: &[Motion]) -> Sma
     let strength = |stiffness_mnm_rad: f64| stiffness_mnm_rad / (V_PER_RAD * motor_mnm_per_v);
     let middle_rad = rest.map_or(0.0, |rest| rest.angle_rad);
     let [first, positions] = positions(model, middle_rad, width_deg.to_radians());
+    // Angle zero may lie beyond an end stop.
+    let last = (positions - 1).max(0);
+    let at_zero = first.saturating_neg().clamp(0, last);
     let knob = SmartKnob {
         num_positions: u32::try_from(positions).unwrap_or(0),
         // The firmware counts against the angle.
-        position: (positions - 1 + first).max(0),
+        position: last - at_zero,
         position_width_radians: width_deg.to_radians(),
         detent_strength_unit: rest.map_or(0.0, |rest| strength(rest.stiffness_mnm_rad)),
         endstop_strength_unit: stiffest_end_stop_mnm_rad(model).map_or(0.0, strength),
@@ -179,7 +182,7 @@ pub fn smartknob(model: &Model, motor_mnm_per_v: f64, motions: &[Motion]) -> Sma
         text: model.name[..model.name.floor_char_boundary(LONGEST_TEXT)].to_owned().into(),
     };
     let first_rad = middle_rad + f64::from(first) * knob.position_width_radians;
-    let mut turned = Turned { knob: &knob, position: -first };
+    let mut turned = Turned { knob: &knob, position: at_zero };
     let said: Vec<f64> =
         motions.iter().map(|motion| motor_mnm_per_v * turned.volts_at(motion.angle_rad - first_rad)).collect();
     SmartKnobExport {

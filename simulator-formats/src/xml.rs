@@ -8,7 +8,8 @@ pub(crate) fn attribute(text: &str) -> String {
 
 /// The text as it may stand in a comment, where two hyphens would end it.
 pub(crate) fn comment(text: &str) -> String {
-    attribute(text).replace("--", "- -")
+    // Twice, since the space may stand beside one hyphen more.
+    attribute(text).replace("--", "- -").replace("--", "- -")
 }
 
 /// The number in SI units, of one in units of a thousandth: N m of mNm. It reads back to the last bit.

@@ -21,7 +21,7 @@ pub struct Assignments(Vec<(String, String)>);
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ChoiceError {
     /// Not of the form `word=value,word=value`.
-    #[error("`{0}` assigns no columns; write it as angle=NAME,torque=NAME")]
+    #[error("`{0}` assigns nothing; write WORD=VALUE,WORD=VALUE, as in angle=Winkel,torque=M or angle=deg,torque=Ncm")]
     Form(String),
     /// A word that means nothing here.
     #[error("`{0}` is none of angle, torque, travel, force, time and contact")]
@@ -147,28 +147,35 @@ impl ColumnChoice {
     /// Where the chosen columns lie under that header; a column without a name is chosen by its number, from 1.
     ///
     /// # Errors
-    /// [`ChoiceError::Missing`] for a column that is not there.
+    /// [`ChoiceError::Missing`] for a column that is not there, [`ChoiceError::Shared`] for one with two words.
     pub(super) fn layout(&self, header: &[String]) -> Result<Layout, ChoiceError> {
         let axis = self.axis().ok_or(ChoiceError::Incomplete)?;
-        let place = |name: &str| {
+        let mut taken = Vec::new();
+        let mut place = |name: &str| {
             let by_name = header.iter().position(|found| found.trim() == name);
             let by_number = || name.parse::<usize>().ok()?.checked_sub(1);
             let missing = || ChoiceError::Missing { name: name.to_owned(), columns: header.join(", ") };
-            by_name.or_else(by_number).ok_or_else(missing)
+            let column = by_name.or_else(by_number).ok_or_else(missing)?;
+            // Its name and its number are the same column.
+            if taken.contains(&column) {
+                return Err(ChoiceError::Shared(name.to_owned()));
+            }
+            taken.push(column);
+            Ok(column)
         };
-        let source = |quantity: Quantity| {
+        let mut source = |quantity: Quantity| {
             let Some(name) = self.column(quantity.name()) else { return Ok(None) };
             let column = place(name)?;
             let name = header.get(column).map_or("", String::as_str);
             Ok(Some(Source { column, factor: self.factor(quantity, name)? }))
         };
-        let required = |quantity| source(quantity)?.ok_or(ChoiceError::Incomplete);
+        let mut required = |quantity| source(quantity)?.ok_or(ChoiceError::Incomplete);
         Ok(Layout {
             axis,
             position: required(axis.position())?,
             load: required(axis.load())?,
             time: source(Quantity::Time)?.map_or(Time::None, Time::Column),
-            contact: self.column("contact").map(place).transpose()?.map(Contact::Voltage),
+            contact: self.column("contact").map(&mut place).transpose()?.map(Contact::Voltage),
         })
     }
 }

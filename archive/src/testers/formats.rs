@@ -70,6 +70,10 @@ fn button_bench(table: &RawTable) -> Option<Layout> {
 
 /// Tables of keyboard switches: `force` in gf and `displacement` in mm.
 fn two_columns(table: &RawTable) -> Option<Layout> {
+    // A table that has its units in a column says itself that they are not these.
+    if table.place("Unit").is_some() {
+        return None;
+    }
     let layout = pressed((table.place("displacement")?, "mm"), (table.place("force")?, "gf"))?;
     Some(Layout { contact: table.place("judge").map(Contact::Flag), ..layout })
 }

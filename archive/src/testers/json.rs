@@ -19,11 +19,11 @@ struct PressAndReturn {
     up_y: Vec<f64>,
 }
 
-/// Whether a file begins as JSON does.
+/// Whether a file begins as a JSON object does.
 pub(super) fn is_json(path: &Path) -> Result<bool, ArchiveError> {
     let head = first_bytes(path, HEAD)?;
     let first = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&head).trim_ascii_start().first();
-    Ok(matches!(first, Some(b'{' | b'[')))
+    Ok(first == Some(&b'{'))
 }
 
 /// Reads the press, then the return.

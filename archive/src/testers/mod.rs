@@ -76,6 +76,10 @@ impl Curve {
         let mut curve = if is_mdf(path)? {
             mdf::read(path, chosen)?
         } else if json::is_json(path)? {
+            if chosen.is_some() {
+                let reason = "it is JSON, whose lists have fixed names and units; choose no columns".to_owned();
+                return Err(wrong(path, reason));
+            }
             json::read(path)?
         } else {
             let table = RawTable::read(path)?;

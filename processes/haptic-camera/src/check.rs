@@ -36,7 +36,7 @@ pub fn run(options: &CheckOptions) -> anyhow::Result<()> {
         axes.push(loaded.capture.axis);
         captures.push(Shown::of(&loaded, model.as_ref())?);
     }
-    let axis = load::common_axis(axes)?;
+    let axis = analysis::common_axis(axes)?;
     let check = Check::of(axis, captures, model.as_ref());
     let found = if check.agreement.is_empty() {
         "found neither detents nor breakaways".to_owned()

@@ -49,7 +49,7 @@ pub struct FitOptions {
 pub fn run(options: &FitOptions) -> anyhow::Result<()> {
     let captures = options.captures.iter().map(|path| load::load_measured(path, &options.columns));
     let captures = captures.collect::<anyhow::Result<Vec<_>>>()?;
-    load::common_axis(captures.iter().map(|one| one.capture.axis))?;
+    analysis::common_axis(captures.iter().map(|one| one.capture.axis))?;
     let fits = captures.iter().map(|one| fit_as_asked(one, options)).collect::<anyhow::Result<Vec<Fit>>>()?;
     let model = match (captures.as_slice(), fits.as_slice()) {
         ([capture], [fit]) => {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use dynamics::{Axis, Model, ModelError, knobs};
+use dynamics::{Model, ModelError, knobs};
 use loaded_capture::LoadedCapture;
 
 use crate::command_line::ColumnOptions;
@@ -31,14 +31,6 @@ pub fn model(path: &Path) -> Result<Model, ModelError> {
 /// Whether a name is that of a model: a shipped knob's number or a model file.
 pub fn names_model(name: &str) -> bool {
     knobs::is_shipped(name) || Path::new(name).extension().is_some_and(|ending| ending == "toml")
-}
-
-/// The axis that several captures must have in common; without captures, the rotary one.
-pub fn common_axis(axes: impl IntoIterator<Item = Axis>) -> anyhow::Result<Axis> {
-    let mut axes = axes.into_iter();
-    let first = axes.next().unwrap_or_default();
-    anyhow::ensure!(axes.all(|axis| axis == first), "some captures are rotary and some linear; give one kind");
-    Ok(first)
 }
 
 fn with_remark(loaded: LoadedCapture) -> LoadedCapture {

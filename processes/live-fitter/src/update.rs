@@ -3,8 +3,7 @@
 use std::time::{Duration, Instant};
 
 use identification::live::{LiveEstimate, LiveParameter};
-use nix::time::{ClockId, clock_gettime};
-use shared_types::{Estimate, FitUpdate, Verdict};
+use shared_types::{Estimate, FitUpdate, Verdict, rig};
 
 use crate::streams::Newest;
 
@@ -37,13 +36,13 @@ impl Cadence {
 
 /// The message for an estimate, with the CPU time that making it cost.
 pub fn measured(run_id: u64, estimate: impl FnOnce() -> LiveEstimate) -> FitUpdate {
-    let begun_ns = cpu_time_ns();
+    let begun_ns = rig::thread_cpu_time_ns();
     let estimate = estimate();
     let parameter = |name: &str| estimate.parameter(name).map_or_else(absent, message);
     FitUpdate {
         run_id,
         samples: estimate.samples,
-        update_ns: cpu_time_ns().saturating_sub(begun_ns),
+        update_ns: rig::thread_cpu_time_ns().saturating_sub(begun_ns),
         residual_rms_mnm: estimate.residual_rms_mnm.unwrap_or(f64::NAN),
         speed_rms_rad_s: estimate.speed_rms_rad_s.unwrap_or(f64::NAN),
         acceleration_rms_rad_s2: estimate.acceleration_rms_rad_s2.unwrap_or(f64::NAN),
@@ -73,12 +72,4 @@ fn message(parameter: &LiveParameter) -> Estimate {
 fn absent() -> Estimate {
     let nothing = f64::NAN;
     Estimate { value: nothing, ci95_low: nothing, ci95_high: nothing, verdict: Verdict::Absent.code(), convergence: 0 }
-}
-
-/// CPU time of this thread so far, ns.
-fn cpu_time_ns() -> u64 {
-    // Linux has this clock for every thread; a failure would read as no cost.
-    clock_gettime(ClockId::CLOCK_THREAD_CPUTIME_ID).map_or(0, |time| {
-        u64::try_from(time.tv_sec()).unwrap_or(0) * 1_000_000_000 + u64::try_from(time.tv_nsec()).unwrap_or(0)
-    })
 }

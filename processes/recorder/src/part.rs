@@ -95,7 +95,7 @@ impl Part {
             .into_inner()
             .map_err(std::io::IntoInnerError::into_error)
             .with_context(|| path.display().to_string())?;
-        disk.join();
+        disk.join().with_context(|| path.display().to_string())?;
         file.sync_all().with_context(|| path.display().to_string())?;
         Ok((path, summary))
     }
@@ -138,10 +138,12 @@ impl Disk {
         result.map(|()| true)
     }
 
-    fn join(self) {
-        let Self { requests, results: _, at_work: _, thread } = self;
+    /// Waits for the sync under way. The system tells of a failure once, so that a later sync does not know of it.
+    fn join(self) -> std::io::Result<()> {
+        let Self { requests, results, at_work: _, thread } = self;
         drop(requests);
-        // The thread does not panic, and its failures show in the last sync.
+        // The thread does not panic.
         let _ = thread.join();
+        results.into_iter().collect()
     }
 }

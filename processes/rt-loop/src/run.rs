@@ -124,7 +124,7 @@ pub fn run(request: &RunRequest, registry: Registry<'_>) -> anyhow::Result<()> {
         }
         tick_loop.run()
     })?;
-    let mut real_time = RealTimeThread { shared, start: Some(start), thread: Some(thread) };
+    let real_time = RealTimeThread { shared, start: Some(start), thread: Some(thread) };
     let permission = permission.recv().context("the real-time thread ended before it began")?;
     keep_off_core(core);
     prefer_publisher();
@@ -137,6 +137,8 @@ pub fn run(request: &RunRequest, registry: Registry<'_>) -> anyhow::Result<()> {
     if let Some(tick_log) = tick_log {
         publisher.log_ticks(tick_log);
     }
+    // Moved behind the publisher, so that it is dropped first: if serving panics, the amplifier is off before shared memory is given back.
+    let mut real_time = real_time;
     if must_end() {
         return Ok(());
     }

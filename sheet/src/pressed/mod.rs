@@ -26,6 +26,8 @@ use stroke::{STEP_MM, smoothed};
 const UNTAKEN: f64 = 1.080_123_449_734_643_6;
 /// Fewest steps of a press.
 const FEWEST_STEPS: usize = 40;
+/// Longest travel of a control, mm.
+const LONGEST_MM: f64 = 5_000.0;
 
 /// What one press and its return tell.
 pub(crate) struct Pressed {
@@ -36,8 +38,15 @@ pub(crate) struct Pressed {
 /// Reads the figures off each press of a curve, with the errors that the curve's noise makes.
 ///
 /// # Errors
-/// [`CurveError::NoPress`] where there is next to no travel to press over.
+/// [`CurveError::NoPress`] where there is next to no travel to press over, [`CurveError::TooFar`] for more than any control has.
 pub(crate) fn read(curve: &Curve) -> Result<Vec<Pressed>, CurveError> {
+    let (low, high) = curve
+        .position
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), position| (low.min(*position), high.max(*position)));
+    if high - low > LONGEST_MM {
+        return Err(CurveError::TooFar { travel_mm: high - low });
+    }
     let strokes = Stroke::all(curve);
     if strokes.is_empty() || strokes.iter().any(|stroke| stroke.press.len() < FEWEST_STEPS) {
         return Err(CurveError::NoPress);

@@ -8,7 +8,7 @@ use crate::figures::{
 };
 use crate::numbers::{count, three};
 use crate::parameter_table::parameter_table;
-use crate::preparation::{method, not_identifiable, preparation};
+use crate::preparation::{is_map, method, not_identifiable, preparation};
 use crate::verdict::{completeness, findings};
 use crate::{CaptureFacts, FigureNumbers, FitPage};
 
@@ -43,7 +43,7 @@ pub(crate) fn fit_page(page: &FitPage<'_>) -> (Markup, FigureNumbers) {
         }
         section {
             h2 { "How the numbers were made" }
-            (method())
+            (method(is_map(fit)))
         }
         (footer(&capture.software_version, &capture.source))
     };
@@ -90,7 +90,9 @@ fn figures(page: &FitPage<'_>) -> (Markup, FigureNumbers) {
         return (words, FigureNumbers::new());
     }
     let effects = effect_figures(fit, &points);
-    let after = 3 + effects.len();
+    // A map has one speed only.
+    let first = if is_map(fit) { 2 } else { 3 };
+    let after = first + effects.len();
     let (excerpt, in_excerpt) = excerpt_figure(fit, &points);
     let (histogram, in_histogram) = histogram_figure(fit, &points);
     let (order, in_order) = order_figure(fit, &points);
@@ -98,7 +100,7 @@ fn figures(page: &FitPage<'_>) -> (Markup, FigureNumbers) {
         section {
             h2 { "Measured and model" }
             (angle_figure(fit, &points).numbered(1))
-            (velocity_figure(fit, &points).numbered(2))
+            @if !is_map(fit) { (velocity_figure(fit, &points).numbered(2)) }
         }
         @if !effects.is_empty() {
             section {
@@ -106,7 +108,7 @@ fn figures(page: &FitPage<'_>) -> (Markup, FigureNumbers) {
                 p.lead {
                     "Dots: the measured torque less everything in the model but the one effect. Line: that effect as fitted."
                 }
-                div.thirds { @for (index, figure) in effects.iter().enumerate() { (figure.numbered(3 + index)) } }
+                div.thirds { @for (index, figure) in effects.iter().enumerate() { (figure.numbered(first + index)) } }
             }
         }
         section {
@@ -165,7 +167,12 @@ pub(crate) fn facts(capture: &CaptureFacts) -> Markup {
     }
 }
 
-/// The text as a sentence starts.
+/// A note as a sentence.
+pub(crate) fn sentence(note: &str) -> String {
+    uppercase_first(note.trim_end_matches('.')) + "."
+}
+
+/// A text that begins with a capital letter.
 pub(crate) fn uppercase_first(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().to_string() + letters.as_str())

@@ -4,6 +4,7 @@ use identification::Fit;
 use maud::{Markup, html};
 
 use crate::numbers::{count, three, two};
+use crate::page::sentence;
 use crate::verdict::noise_in_band_mnm;
 
 /// The parameters that are not identifiable, with the reasons, and other remarks.
@@ -39,7 +40,7 @@ pub(crate) fn not_identifiable(fit: &Fit) -> Markup {
                         " rad."
                     }
                 }
-                @if fit.preparation.method != "quasi-static" {
+                @if !is_map(fit) {
                     @for harmonic in &fit.detent_harmonics {
                         li {
                             "The residual holds harmonic " (harmonic.order.unwrap_or(0)) " of the detents: "
@@ -57,7 +58,10 @@ pub(crate) fn not_identifiable(fit: &Fit) -> Markup {
 /// The choices that the fit made by itself.
 pub(crate) fn preparation(fit: &Fit) -> Markup {
     let chosen = &fit.preparation;
-    let motion = if chosen.exact_motion {
+    let is_map = is_map(fit);
+    let motion = if is_map {
+        "the direction of each pass and the mean speed; acceleration was not estimated".to_owned()
+    } else if chosen.exact_motion {
         "taken as given: velocity and acceleration are the angle's exact derivatives".to_owned()
     } else {
         let source = if chosen.accelerometer {
@@ -72,17 +76,28 @@ pub(crate) fn preparation(fit: &Fit) -> Markup {
         ("Lost in gaps", count(chosen.lost_samples as u64)),
         (
             "Used",
-            format!(
-                "{} % of the samples, where the knob moved faster than {} rad/s and surely slid; {} rows after decimation",
-                three(chosen.sliding_percent),
-                two(chosen.stick_threshold_rad_s),
-                count(fit.rows as u64)
-            ),
+            if is_map {
+                let used = three(chosen.sliding_percent);
+                format!(
+                    "{used} % of the samples: those of whole passes, away from turning points and the ends of the torque sensor's range"
+                )
+            } else {
+                format!(
+                    "{} % of the samples, where the knob moved faster than {} rad/s and surely slid; {} rows after decimation",
+                    three(chosen.sliding_percent),
+                    two(chosen.stick_threshold_rad_s),
+                    count(fit.rows as u64)
+                )
+            },
         ),
         ("Motion", motion),
         (
             "Band of the fit",
-            format!("0 to {} Hz, zero-phase low-pass on torque and model alike", three(chosen.band_hz)),
+            if is_map {
+                "all of it: torque and model were not filtered".to_owned()
+            } else {
+                format!("0 to {} Hz, zero-phase low-pass on torque and model alike", three(chosen.band_hz))
+            },
         ),
         (
             "Torque noise",
@@ -117,8 +132,22 @@ pub(crate) fn preparation(fit: &Fit) -> Markup {
     }
 }
 
-/// How the numbers were made.
-pub(crate) fn method() -> Markup {
+/// Whether torque was fitted against angle and direction alone.
+pub(crate) fn is_map(fit: &Fit) -> bool {
+    fit.preparation.method == "quasi-static"
+}
+
+/// How the numbers were made, of maps of torque over the angle or of motion.
+pub(crate) fn method(of_maps: bool) -> Markup {
+    if of_maps {
+        return html! {
+            p {
+                "Torque was fitted against angle and direction alone: Coulomb friction in each direction, and sinusoids of the angle, the \
+                 strongest first, as long as they predict stretches that they were not fitted to. Nothing was filtered. The 95 % intervals \
+                 come from the scatter of the stretches. The relative error is 100·‖measured − model‖ / ‖measured‖ over the rows used."
+            }
+        };
+    }
     html! {
         p {
             "The model is a sum of effects, and every effect a sum of columns with linear coefficients. Where the knob may \
@@ -135,11 +164,4 @@ pub(crate) fn method() -> Markup {
             "₊·θ̇) + " i { "A" } "·sin(θ/" i { "P" } " + " i { "S" } ")"
         }
     }
-}
-
-fn sentence(note: &str) -> String {
-    let mut letters = note.chars();
-    let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
-    let end = if note.ends_with('.') { "" } else { "." };
-    format!("{first}{}{end}", letters.as_str())
 }

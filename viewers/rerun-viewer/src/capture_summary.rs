@@ -4,7 +4,7 @@ use archive::Capture;
 use identification::{Fit, Parameter};
 
 use crate::extent;
-use crate::numbers::{self, alarmed, grouped, three_digits, with_half_width};
+use crate::numbers::{self, alarmed, grouped, three_figures, with_half_width};
 use crate::summary::knob_title;
 
 /// Largest difference between the halves of an interval that is written as value ± half width, as a share of it.
@@ -70,11 +70,11 @@ fn parameters(fit: &Fit) -> String {
 fn value_and_interval(parameter: &Parameter) -> String {
     match (parameter.value, parameter.ci95) {
         (None, _) => "*not identifiable*".to_owned(),
-        (Some(value), None) => three_digits(value),
+        (Some(value), None) => three_figures(value),
         (Some(value), Some([low, high])) => {
             let half_width = (high - low) / 2.0;
             let is_symmetric = ((high - value) - (value - low)).abs() <= SYMMETRIC * half_width;
-            let [middle, low, high] = [value, low, high].map(three_digits);
+            let [middle, low, high] = [value, low, high].map(three_figures);
             if is_symmetric { with_half_width(value, half_width) } else { format!("{middle} ({low} to {high})") }
         }
     }

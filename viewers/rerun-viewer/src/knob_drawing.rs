@@ -11,7 +11,7 @@ use rerun::{Angle, Boxes3D, Cylinders3D, Points3D, RecordingStream, RecordingStr
 use crate::drawing::TIMELINE;
 use crate::entities::KNOB;
 use crate::knob_track::{DetentRing, KnobUpdate, Motion};
-use crate::numbers::three_digits;
+use crate::numbers::three_figures;
 use crate::palette::{MODEL, NEGATIVE, NEUTRAL, POSITIVE, STICKING, WHITE};
 use crate::plot_axes::round_step;
 use crate::strokes::{dots, labels, lines, single};
@@ -99,7 +99,7 @@ pub(crate) fn draw_detents(
     recording.log_static(format!("{KNOB}/detents/{line}"), &lines([outline], MODEL, 1.8))?;
     let rests = ring.stable_rad.iter().filter_map(|angle| at(*angle, deepest));
     recording.log_static(format!("{KNOB}/detents/stable"), &dots(rests, MODEL, 3.5))?;
-    let [deep, apart] = [ring.amplitude_mnm, ring.spacing_rad].map(three_digits);
+    let [deep, apart] = [ring.amplitude_mnm, ring.spacing_rad].map(three_figures);
     let words = format!("detents: {deep} mNm deep, {apart} rad apart");
     let text = label([0.0, label_y, 0.0], axis.words(&words).into_owned());
     recording.log_static(format!("{KNOB}/detents/label"), &text)

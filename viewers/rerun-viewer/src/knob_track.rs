@@ -109,9 +109,9 @@ pub struct KnobUpdate {
 #[derive(Clone, Debug, Default)]
 pub struct KnobTrack {
     turns: Points,
-    next_ns: i64,
+    next_ns: Option<i64>,
     motion_shown: Option<Motion>,
-    next_motion_ns: i64,
+    next_motion_ns: Option<i64>,
     detents_shown: Option<DetentRing>,
     newest_rad: f64,
 }
@@ -122,8 +122,8 @@ impl KnobTrack {
             return;
         }
         self.newest_rad = reading.angle_rad;
-        if reading.time_ns >= self.next_ns {
-            self.next_ns = reading.time_ns + TURN_PERIOD_NS;
+        if self.next_ns.is_none_or(|next_ns| reading.time_ns >= next_ns) {
+            self.next_ns = Some(reading.time_ns + TURN_PERIOD_NS);
             self.turns.push(reading.time_ns, &[reading.angle_rad]);
         }
     }
@@ -136,10 +136,11 @@ impl KnobTrack {
     /// What is new since the last call, with how the knob moves now and the detents of a new `model`; `None` if nothing is.
     pub fn update(&mut self, motion: Option<Motion>, model: Option<&KnobModel>) -> Option<KnobUpdate> {
         let turns = std::mem::take(&mut self.turns);
-        let newest_ns = turns.times_ns.last().copied().unwrap_or(self.next_motion_ns);
-        let motion = motion.filter(|_| self.motion_shown != motion && newest_ns >= self.next_motion_ns);
+        let newest_ns = turns.times_ns.last().copied().or(self.next_motion_ns).unwrap_or_default();
+        let is_due = self.next_motion_ns.is_none_or(|next_ns| newest_ns >= next_ns);
+        let motion = motion.filter(|_| self.motion_shown != motion && is_due);
         if motion.is_some() {
-            self.next_motion_ns = newest_ns + MOTION_PERIOD_NS;
+            self.next_motion_ns = Some(newest_ns + MOTION_PERIOD_NS);
             self.motion_shown = motion;
         }
         let ring = model.and_then(|model| DetentRing::of(model, self.newest_rad));

@@ -154,10 +154,8 @@ fn show(arguments: &Arguments) -> anyhow::Result<bool> {
         std::thread::sleep(POLL_PERIOD);
     }
     drop(source);
-    if in_foreground && subject.is_live {
-        // There is no supervisor to do it.
-        shared_types::clean_up::clear_shared_memory()?;
-    }
+    // There is no supervisor to do it.
+    let cleared = (in_foreground && subject.is_live).then(shared_types::clean_up::clear_shared_memory).transpose();
 
     // rerun waits without limit when it is dropped, so it is given a time and then left behind.
     outbox.close();
@@ -172,6 +170,7 @@ fn show(arguments: &Arguments) -> anyhow::Result<bool> {
     if outbox.dropped() > 0 {
         tracing::warn!("{} frames were not shown because the screen was not fast enough", outbox.dropped());
     }
+    cleared?;
     Ok(ends_with_run && (!closed_in_time || outbox.dropped() > 0))
 }
 

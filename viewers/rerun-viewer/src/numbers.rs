@@ -37,6 +37,19 @@ pub fn three_digits(value: f64) -> String {
     if value < 0.0 && !is_zero { format!("\u{2212}{digits}") } else { digits }
 }
 
+/// A parameter with three digits that count; `3.99e−6` of what is small.
+pub fn three_figures(value: f64) -> String {
+    let power = value.abs().log10().floor() as i32;
+    match power {
+        -30..SMALL_POWER => format!("{}e\u{2212}{}", three_figures(value / 10_f64.powi(power)), -power),
+        SMALL_POWER..0 => {
+            let decimals = (2 - power).unsigned_abs() as usize;
+            format!("{value:.decimals$}").replace('-', "\u{2212}")
+        }
+        _ => three_digits(value),
+    }
+}
+
 /// A count that should be zero.
 pub fn alarmed(count: u64) -> String {
     if count == 0 { "0".to_owned() } else { format!("**{}**", grouped(count)) }
@@ -79,6 +92,12 @@ mod tests {
     fn a_range_has_three_digits() {
         assert_eq!(three_digits(-1e-5), "0.000");
         assert_eq!([0.299_9, -3.456, 98.76, 12_345.6].map(three_digits), ["0.300", "\u{2212}3.46", "98.8", "12346"]);
+    }
+
+    #[test]
+    fn a_parameter_has_three_figures() {
+        let written = [0.0, 0.0019, -0.07, 3.986e-6, 12.34].map(three_figures);
+        assert_eq!(written, ["0.000", "0.00190", "\u{2212}0.0700", "3.99e\u{2212}6", "12.3"]);
     }
 
     #[test]

@@ -185,7 +185,7 @@ impl Picture {
         }
         let fresh_model = self.model.as_ref().filter(|_| slow && self.fit_is_new);
         frame.knob = self.knob.update(self.run.motion, fresh_model);
-        if self.plot.is_due(now, PLOT_PERIOD) || finished {
+        if self.plot.is_due(now, PLOT_PERIOD) || slow {
             frame.plots = self.scatters.update(fresh_model);
         }
         if slow {

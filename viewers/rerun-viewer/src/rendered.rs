@@ -3,7 +3,7 @@
 use dynamics::{Model, ModelError, ParameterKind};
 use shared_types::ModelChange;
 
-use crate::numbers::three_digits;
+use crate::numbers::three_figures;
 
 /// The model that is felt, and the model before it.
 #[derive(Clone, Debug)]
@@ -26,19 +26,14 @@ impl RenderedModel {
         let row = |(parameter, value): (&ParameterKind, f64)| {
             let before = self.before.as_ref().and_then(|before| before.parameter(parameter.name));
             let values = match before.filter(|before| before.to_bits() != value.to_bits()) {
-                Some(before) => format!("**{}** | {} |", short(value), short(before)),
-                None => format!("{} | |", short(value)),
+                Some(before) => format!("**{}** | {} |", three_figures(value), three_figures(before)),
+                None => format!("{} | |", three_figures(value)),
             };
             format!("| {}, {} | {values}\n", parameter.name.replace('_', " "), parameter.unit)
         };
         let rows: String = self.model.parameters().map(row).collect();
         format!("| rendered: {name}, from {from_s:.1} s on | value | before |\n|---|---:|---:|\n{rows}\n")
     }
-}
-
-/// A parameter with as many digits as are read at a glance.
-fn short(value: f64) -> String {
-    if value != 0.0 && value.abs() < 1.0 { format!("{value:.4}").replace('-', "\u{2212}") } else { three_digits(value) }
 }
 
 #[cfg(test)]

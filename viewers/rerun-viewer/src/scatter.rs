@@ -124,7 +124,7 @@ impl Scatter {
         }
         self.kept.push_back(point);
         // A burst, as after a restart, shows its newest points only.
-        self.fresh = if self.fresh >= self.capacity { 1 } else { self.fresh + 1 };
+        self.fresh = (self.fresh + 1).min(self.capacity);
     }
 
     fn update(&mut self, model: Option<&KnobModel>) -> Option<PlotUpdate> {

@@ -68,7 +68,7 @@ fn curve(
     let (mut positions, mut loads) = (read(position, axis.position())?, read(load, axis.load())?);
     let mut t_s = time.map(|time| read(time, Quantity::Time)).transpose()?;
     let mut volts = contact.map(|contact| read(contact, Quantity::Number)).transpose()?;
-    for (place, rows) in [(Some(load), Some(&loads)), (contact, volts.as_ref())] {
+    for (place, rows) in [(Some(load), Some(&loads)), (time, t_s.as_ref()), (contact, volts.as_ref())] {
         if let (Some(place), Some(rows)) = (place, rows)
             && place.group != position.group
         {

@@ -34,6 +34,6 @@ pub fn run(options: &CompareOptions) -> anyhow::Result<()> {
     }
     let compared = comparing.comparison();
     let axes = compared.knobs.iter().filter_map(|knob| knob.model.as_ref()).map(|model| model.axis);
-    let axis = load::common_axis(axes)?;
+    let axis = analysis::common_axis(axes)?;
     options.results.tell(axis, table::lines(&compared), &compared, || report::comparison_page(&compared))
 }

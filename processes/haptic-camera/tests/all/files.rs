@@ -18,8 +18,12 @@ fn refused(folder: &Path, line: &str, status: i32, words: &str) {
 
 /// Captures a knob offline and gives the archive's name.
 fn captured(folder: &Path, knob: &str) -> String {
-    let said = done(folder, &format!("capture --offline --knob {knob} --duration-s 3 --rate-hz 5000 --out ."));
-    let line = said.lines().find(|line| line.starts_with("archive")).unwrap().to_owned();
+    archive_of(&done(folder, &format!("capture --offline --knob {knob} --duration-s 3 --rate-hz 5000 --out .")))
+}
+
+/// The archive's name, as a run says it.
+fn archive_of(said: &str) -> String {
+    let line = said.lines().find(|line| line.starts_with("archive")).unwrap();
     line.split_whitespace().nth(1).unwrap().trim_start_matches("./").to_owned()
 }
 
@@ -42,6 +46,19 @@ fn an_exported_table_has_the_contract_s_columns_and_is_fitted_like_the_archive()
     std::fs::remove_file(folder.join("table.calibration.toml")).unwrap();
     done(folder, "fit table.csv --json bare.json");
     assert_ne!(fitted(folder, "bare.json"), of_table);
+}
+
+#[test]
+fn an_exported_replay_is_fitted_like_its_archive() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let said = done(folder, "replay --offline 4 --hand linear-chirp --duration-s 3 --out .");
+    let archive = archive_of(&said);
+    done(folder, &format!("export {archive} --out table.csv"));
+    done(folder, &format!("fit {archive} --json archive.json"));
+    done(folder, "fit table.csv --json table.json");
+    let [of_archive, of_table] = ["archive.json", "table.json"].map(|name| fitted(folder, name));
+    assert_eq!(of_archive["parameters"], of_table["parameters"]);
 }
 
 /// A fit's numbers, without what an archive knows besides: where it comes from and what was mounted.

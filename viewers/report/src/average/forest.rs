@@ -5,7 +5,7 @@ use maud::{Markup, html};
 
 use crate::AveragePage;
 use crate::parameter_table::true_value;
-use crate::plot::Axis;
+use crate::plot::{Axis, short};
 
 /// Width of a plot, its room for row labels and its right margin, SVG units.
 const WIDTH: f64 = 280.0;
@@ -116,8 +116,4 @@ fn whisker(x: &impl Fn(f64) -> String, [low, high]: [f64; 2], value: f64, y: f64
 /// Middle of a row, SVG units.
 fn place(row: usize) -> f64 {
     (row as f64 + 0.5) * ROW
-}
-
-fn short(units: f64) -> String {
-    format!("{units:.1}")
 }

@@ -7,11 +7,12 @@ mod table;
 use identification::Agreement;
 use maud::{Markup, html};
 
+pub(crate) use self::table::difference;
 use crate::AveragePage;
 use crate::figures::{angle_figure, finite_points, velocity_figure};
 use crate::numbers::{three, two};
 use crate::page::{FEWEST_ROWS, document, footer, uppercase_first};
-use crate::preparation::{method, not_identifiable, preparation};
+use crate::preparation::{is_map, method, not_identifiable, preparation};
 use crate::verdict::findings;
 
 pub(crate) fn average_page(page: &AveragePage<'_>) -> Markup {
@@ -51,7 +52,7 @@ pub(crate) fn average_page(page: &AveragePage<'_>) -> Markup {
         }
         section {
             h2 { "How the numbers were made" }
-            (method())
+            (method(fits.iter().all(is_map)))
             (mean_method())
         }
         (footer(version, &sources.join(", ")))

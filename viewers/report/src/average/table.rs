@@ -77,7 +77,8 @@ fn cell(fit: &Fit, name: &str) -> Markup {
     html! { td.number { (digits.show(value)) span.faint { "±\u{a0}" (digits.show(half)) } } }
 }
 
-fn difference(record: Option<&Repeatability>) -> Markup {
+/// Largest less smallest value, and how many times its interval that is.
+pub(crate) fn difference(record: Option<&Repeatability>) -> Markup {
     let Some(record) = record else { return html! { td.number { "–" } } };
     // As many decimals as the values, so that the difference can be checked by eye.
     let digits = Digits::of_interval(record.mean.value, record.difference_ci95);

@@ -4,8 +4,8 @@ use maud::{Markup, html};
 
 use super::input::{ComparedCapture, ComparedKnob, Comparison};
 use super::table::{MOST_COLUMNS, value};
-use crate::average::agreement_words;
-use crate::numbers::{Digits, count, three, two};
+use crate::average::{agreement_words, difference};
+use crate::numbers::{count, three, two};
 use crate::parameter_table::name_cells;
 
 /// Every capture in a row of its own.
@@ -77,7 +77,7 @@ pub(super) fn side_by_side(knob: &ComparedKnob) -> Markup {
                                 @for capture in captures {
                                     td.number { @if let Some(own) = capture.parameters.get(name) { (value(own)) } @else { "–" } }
                                 }
-                                (difference(knob, name))
+                                (difference(knob.repeatability.get(name)))
                                 td.unit { (unit) }
                             }
                         }
@@ -99,17 +99,4 @@ fn ordered(knob: &ComparedKnob) -> Vec<(&'static str, &'static str)> {
         .filter(|kind| has_value(kind.name))
         .filter_map(|kind| Some((kind.name, knob.parameters.get(kind.name)?.unit)))
         .collect()
-}
-
-/// Largest less smallest value, and how many times its interval that is.
-fn difference(knob: &ComparedKnob, name: &str) -> Markup {
-    let Some(record) = knob.repeatability.get(name) else { return html! { td.number { "–" } } };
-    // As many decimals as the values, so that the difference can be checked by eye.
-    let digits = Digits::of_interval(record.mean.value, record.difference_ci95);
-    html! {
-        td.number {
-            (digits.show(record.difference))
-            span class=(if record.ratio > 1.0 { "outside" } else { "faint" }) { (two(record.ratio)) "\u{a0}×" }
-        }
-    }
 }

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::input::{ComparedCapture, ComparedKnob, ComparedValue, Comparison};
 use super::scale::Scale;
+use crate::plot::short;
 
 /// Width of a plot, its room for row labels and its right margin, SVG units.
 const WIDTH: f64 = 428.0;
@@ -179,8 +180,4 @@ fn shortened(name: &str) -> String {
         return name.to_owned();
     }
     name.chars().take(LETTERS - 1).chain(['…']).collect()
-}
-
-fn short(units: f64) -> String {
-    format!("{units:.1}")
 }

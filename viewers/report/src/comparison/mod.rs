@@ -79,7 +79,7 @@ pub(crate) fn comparison_page(compared: &Comparison) -> Markup {
         }
         section {
             h2 { "How the numbers were made" }
-            (method())
+            (method(false))
             p {
                 "Captures are of one knob if their archives name the same knob and were made of it in the same way; a table without such \
                  a name stands alone. The mean of several captures is that of whole parameter vectors, each capture counting with the \

@@ -14,7 +14,7 @@ use identification::diagnosis::{Diagnosis, Row, Verdict};
 use maud::{Markup, html};
 
 use crate::numbers::{count, three};
-use crate::page::{document, footer, uppercase_first};
+use crate::page::{document, footer, sentence};
 use crate::{DiagnosisPage, FigureNumbers};
 
 /// Numbers the figures of a page.
@@ -74,7 +74,7 @@ pub(crate) fn diagnosis_page(page: &DiagnosisPage<'_>) -> (Markup, FigureNumbers
         @if !found.notes.is_empty() {
             section {
                 h2 { "What a reader should know" }
-                ul { @for note in &found.notes { li { (uppercase_first(note)) "." } } }
+                ul { @for note in &found.notes { li { (sentence(note)) } } }
             }
         }
         section {

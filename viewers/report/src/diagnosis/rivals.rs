@@ -6,8 +6,8 @@ use maud::{Markup, html};
 use super::maps::probability;
 use crate::figures::{Figure, Mark, real};
 use crate::numbers::three;
-use crate::plot::Axis;
 use crate::plot::ink::Ink;
+use crate::plot::{Axis, short};
 
 /// Size of the plot, and where its dots and its columns of figures lie, SVG units.
 const WIDTH: f64 = 880.0;
@@ -151,8 +151,4 @@ fn row(line: &Line, y: f64, x: &impl Fn(f64) -> f64, (reach, before_mnm): (f64, 
 
 fn share(p: f64) -> String {
     if p > 0.999 { "> 0.999".to_owned() } else { probability(p) }
-}
-
-fn short(units: f64) -> String {
-    format!("{units:.1}")
 }

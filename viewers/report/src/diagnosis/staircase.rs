@@ -5,8 +5,8 @@ use maud::{Markup, html};
 
 use crate::figures::{Figure, Mark, real};
 use crate::numbers::three;
-use crate::plot::Axis;
 use crate::plot::ink::Ink;
+use crate::plot::{Axis, short};
 
 /// Size of the plot and its rooms for labels, SVG units.
 const WIDTH: f64 = 880.0;
@@ -101,8 +101,4 @@ fn stair(
         path.push_str(&format!("{start}{separator}{}H{}", short(y(level)), short(left(index + 1))));
     }
     html! { @if !path.is_empty() { path class={"line stair " (class)} d=(path) {} } }
-}
-
-fn short(units: f64) -> String {
-    format!("{units:.1}")
 }

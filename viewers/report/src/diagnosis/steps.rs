@@ -140,9 +140,10 @@ fn others(step: &Step) -> Markup {
                 ": the difference in evidence is too small or not steady."
             }
         } @else if let Some(rival) = closest {
+            @let lead = step.evidence - rival.evidence;
             p {
-                "No tie: the closest rival, " code { (rival.effect) } ", has " (three(step.evidence - rival.evidence)) " nats less evidence and \
-                 leaves " (three(rival.heldout_rms_after)) " mNm of the held-out capture."
+                "No tie: the closest rival, " code { (rival.effect) } ", has " (three(lead.abs())) " nats " (if lead < 0.0 { "more" } else { "less" })
+                " evidence and leaves " (three(rival.heldout_rms_after)) " mNm of the held-out capture."
             }
         } @else {
             p { "No rival could take its place." }

@@ -242,3 +242,8 @@ impl Plot {
         Ok(())
     }
 }
+
+/// A length in SVG units, to the tenth.
+pub(crate) fn short(units: f64) -> String {
+    format!("{units:.1}")
+}

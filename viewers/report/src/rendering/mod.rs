@@ -14,7 +14,7 @@ pub use input::{
 };
 
 use crate::numbers::three;
-use crate::page::{document, facts, footer, uppercase_first};
+use crate::page::{document, facts, footer, sentence};
 
 pub(crate) fn rendering_page(page: &RenderingPage<'_>) -> Markup {
     let title = page.intended.name.as_str();
@@ -48,7 +48,7 @@ pub(crate) fn rendering_page(page: &RenderingPage<'_>) -> Markup {
         @if !found.notes.is_empty() {
             section {
                 h2 { "What a reader should know" }
-                ul { @for note in &found.notes { li { (uppercase_first(note.trim_end_matches('.'))) "." } } }
+                ul { @for note in &found.notes { li { (sentence(note)) } } }
             }
         }
         section {

@@ -1,7 +1,5 @@
 //! Load over position, one branch a direction.
 
-use std::f64::consts::TAU;
-
 use maud::{Markup, html};
 use shared_types::Axis;
 use sheet::{Branch, Sheet};
@@ -104,12 +102,12 @@ fn rows(branch: &Branch, range: Option<[f64; 2]>) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// The branches of a small plot, from a position on over a turn at most.
-pub(super) fn small(sheet: &Sheet, reach: Option<f64>) -> Vec<Layer> {
+/// The branches of a small plot, each from its first position on over this reach.
+pub(super) fn small(sheet: &Sheet, reach: f64) -> Vec<Layer> {
     let named = BRANCHES.iter().filter_map(|named| Some((named.1, sheet.curve.get(named.0)?)));
     named
         .map(|(ink, branch)| {
-            let range = [branch.first, branch.first + reach.unwrap_or(TAU)];
+            let range = [branch.first, branch.first + reach];
             Layer::Line(ink, rows(branch, Some(range)).iter().map(|[at, load, _]| (at - branch.first, *load)).collect())
         })
         .collect()

@@ -6,11 +6,10 @@ use sheet::{Figure, Sheet};
 
 use crate::numbers::{Digits, three};
 
-/// A figure as value and half width.
-pub(super) fn value_words(figure: &Figure) -> Option<String> {
-    let (value, [low, high]) = (figure.value?, figure.ci95?);
+/// A value with half its interval.
+pub(super) fn with_interval(value: f64, [low, high]: [f64; 2]) -> String {
     let half = 0.5 * (high - low);
-    Some(Digits::of_interval(value, half).plus_minus(value, half))
+    Digits::of_interval(value, half).plus_minus(value, half)
 }
 
 fn with_unit(figure: Option<&Figure>) -> Option<String> {
@@ -67,7 +66,7 @@ pub(super) fn figures(sheet: &Sheet) -> Markup {
                         tr {
                             th scope="row" { code { (kind.name) } }
                             td.number.value {
-                                @if let Some(words) = value_words(figure) { (words) } @else { "–" }
+                                @if let Some((value, ci95)) = figure.value.zip(figure.ci95) { (with_interval(value, ci95)) } @else { "–" }
                             }
                             td.unit { (kind.unit) }
                             @if any_spread {
@@ -91,10 +90,6 @@ pub(super) fn figures(sheet: &Sheet) -> Markup {
 pub(super) fn detents(sheet: &Sheet) -> Markup {
     let names: Vec<&str> =
         sheet.detents.first().map(|detent| detent.figures.keys().copied().collect()).unwrap_or_default();
-    let cell = |value: f64, [low, high]: [f64; 2]| {
-        let half = 0.5 * (high - low);
-        Digits::of_interval(value, half).plus_minus(value, half)
-    };
     html! {
         div.scroll {
             table.compared {
@@ -109,9 +104,9 @@ pub(super) fn detents(sheet: &Sheet) -> Markup {
                     @for detent in &sheet.detents {
                         tr {
                             th scope="row" { (detent.direction) }
-                            td.number { (cell(detent.angle_rad, detent.angle_rad_ci95)) }
+                            td.number { (with_interval(detent.angle_rad, detent.angle_rad_ci95)) }
                             @for name in &names {
-                                td.number { @if let Some(figure) = detent.figures.get(name) { (cell(figure.value, figure.ci95)) } }
+                                td.number { @if let Some(figure) = detent.figures.get(name) { (with_interval(figure.value, figure.ci95)) } }
                             }
                         }
                     }

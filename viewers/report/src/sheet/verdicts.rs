@@ -4,7 +4,8 @@ use maud::{Markup, html};
 use serde::Serialize;
 use sheet::{FigureVerdict, Judgement, Verdict};
 
-use crate::numbers::{Digits, three};
+use super::tables::with_interval;
+use crate::numbers::three;
 use crate::page::document;
 
 /// Units with their verdicts.
@@ -85,13 +86,10 @@ fn class(verdict: Verdict) -> &'static str {
 
 fn words(figure: &FigureVerdict) -> String {
     let unit = figure.unit;
-    let value = figure.value.zip(figure.ci95).map_or_else(
-        || "not determined".to_owned(),
-        |(value, [low, high])| {
-            let half = 0.5 * (high - low);
-            format!("{} {unit}", Digits::of_interval(value, half).plus_minus(value, half))
-        },
-    );
+    let value = figure
+        .value
+        .zip(figure.ci95)
+        .map_or_else(|| "not determined".to_owned(), |(value, ci95)| format!("{} {unit}", with_interval(value, ci95)));
     let limits = match (figure.limits.min, figure.limits.max) {
         (Some(min), Some(max)) => format!(", may be {} to {}", three(min), three(max)),
         (Some(min), None) => format!(", at least {}", three(min)),

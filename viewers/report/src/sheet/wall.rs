@@ -58,7 +58,7 @@ pub(crate) fn wall_page(page: &WallPage) -> Markup {
 }
 
 fn panel(knob: &WallKnob) -> Markup {
-    let lines = small(&knob.sheet, Some(knob.reach_rad));
+    let lines = small(&knob.sheet, knob.reach_rad);
     let points = || {
         lines.iter().filter_map(|line| if let Layer::Line(_, points) = line { Some(points) } else { None }).flatten()
     };

@@ -6,7 +6,7 @@ use maud::{Markup, html};
 
 pub use input::{Drift, Trend, TrendGroup, TrendParameter, TrendPoint};
 
-use crate::figures::{Figure, Mark, THIRD, real};
+use crate::figures::{Figure, Mark, THIRD};
 use crate::numbers::{Digits, count};
 use crate::page::{document, footer};
 use crate::parameter_table::name_cells;
@@ -167,24 +167,34 @@ fn figures(groups: &[TrendGroup], name: &str) -> Vec<Figure> {
             let (low, high) = (low.min(point.value - least), high.max(point.value + least));
             Layer::Band(Ink::Measured, vec![(point.days - bar, low, high), (point.days + bar, low, high)])
         };
-        let line = one.drift.map(|drift| {
-            let at = |days: f64| (days, drift.at_start + drift.per_day * days);
-            Layer::Line(Ink::Model, (0..=2).map(|half| at(0.5 * days * real(half))).collect())
-        });
         let mut layers: Vec<Layer> = one.points.iter().map(interval).collect();
-        layers.extend(line);
+        let mut legend = vec![(Mark::Band, Ink::Measured, "captures, 95 %")];
+        if one.drift.is_some() {
+            layers.push(Layer::Line(Ink::Model, line(one).collect()));
+            legend.push((Mark::Line, Ink::Model, "drift"));
+        }
+        let lines = of_name(groups, name).flat_map(|(_, one)| line(one)).map(|(_, value)| value);
         let plot = Plot {
             size: THIRD,
             x: Axis::around("days", [-2.0 * bar, days + 2.0 * bar]),
-            y: Axis::around(&format!("{name} ({})", one.unit), ends()),
+            y: Axis::around(&format!("{name} ({})", one.unit), ends().chain(lines)),
             layers,
         };
         Figure {
             title: format!("{name}, {}", group.name),
-            legend: vec![(Mark::Band, Ink::Measured, "captures, 95 %"), (Mark::Line, Ink::Model, "drift")],
+            legend,
             plot: plot.svg(&format!("{name} over time, {}", group.name)),
             caption: String::new(),
         }
     };
     of_name(groups, name).map(draw).collect()
+}
+
+/// The drift from a parameter's first capture to its last, as days and values; nothing without one.
+fn line(one: &TrendParameter) -> impl Iterator<Item = (f64, f64)> {
+    let ends = one.drift.map(|drift| {
+        let at = |point: &TrendPoint| (point.days, drift.at_start + drift.per_day * point.days);
+        one.points.first().map(at).into_iter().chain(one.points.last().map(at))
+    });
+    ends.into_iter().flatten()
 }

@@ -46,7 +46,7 @@ pub fn comparisons(found: &Diagnosis) -> Vec<Comparison> {
             all.map(|(place, rival)| (rival.effect, value(&rival), color(place, &rival))).collect::<Vec<_>>()
         };
         let mut rms = bars(|rival| rival.heldout_rms_after);
-        rms.extend([("placebo", step.placebo_rms, MEASURED), ("without", step.heldout_rms_before, MEASURED)]);
+        rms.extend([("null-effect", step.placebo_rms, MEASURED), ("without", step.heldout_rms_before, MEASURED)]);
         let evidence = bars(|rival| rival.evidence);
         for (part, what, bars) in [("heldout_rms_mnm", LEFT, rms), ("evidence_nats", "evidence, nats", evidence)] {
             let entity = format!("steps/{number}-{}/{part}", step.effect);

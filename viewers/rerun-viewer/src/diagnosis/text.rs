@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use identification::diagnosis::Rival;
 
 use super::{Input, contenders};
-use crate::numbers::three_digits;
+use crate::numbers::three_figures;
 
 /// The diagnosis as Markdown.
 pub fn markdown(input: &Input) -> String {
@@ -19,29 +19,29 @@ pub fn markdown(input: &Input) -> String {
     }
     for step in &found.steps {
         let [before, after, null] =
-            [step.heldout_rms_before, step.heldout_rms_after, step.placebo_rms].map(three_digits);
+            [step.heldout_rms_before, step.heldout_rms_after, step.placebo_rms].map(three_figures);
         let _ = writeln!(text, "| {} | {before} | {after} | {null} |", step.effect);
     }
     let _ = writeln!(
         text,
         "\nThe last model leaves {} mNm of the held-out capture; noise alone leaves {} mNm.",
-        three_digits(found.heldout_rms_after),
-        three_digits(found.noise_floor_rms)
+        three_figures(found.heldout_rms_after),
+        three_figures(found.noise_floor_rms)
     );
     for step in &found.steps {
         let _ =
             writeln!(text, "\n## {}\n\n| parameter | value | 95 % interval | unit |\n|---|---|---|---|", step.effect);
         for (name, value) in &step.parameters {
-            let ends = value.ci95.map(|ends| ends.map(three_digits));
+            let ends = value.ci95.map(|ends| ends.map(three_figures));
             let interval = ends.map_or("–".to_owned(), |[low, high]| format!("{low} … {high}"));
-            let _ = writeln!(text, "| {name} | {} | {interval} | {} |", three_digits(value.value), value.unit);
+            let _ = writeln!(text, "| {name} | {} | {interval} | {} |", three_figures(value.value), value.unit);
         }
         if !step.ties.is_empty() {
             let _ = writeln!(text, "\n**A tie** with {}.", step.ties.join(" and "));
         }
         text.push_str("\n| rival | left, mNm | evidence, nats | |\n|---|---|---|---|\n");
         for Rival { effect, heldout_rms_after, evidence, disqualified, .. } in contenders(step) {
-            let [rms, evidence] = [heldout_rms_after, evidence].map(three_digits);
+            let [rms, evidence] = [heldout_rms_after, evidence].map(three_figures);
             let _ = writeln!(text, "| {effect} | {rms} | {evidence} | {} |", disqualified.unwrap_or_default());
         }
     }
