@@ -37,7 +37,9 @@ pub(crate) fn without_outliers(readings: &[f64], name: &str) -> Option<(Vec<f64>
             (OF_FOURTH_DIFFERENCE * FOURTH_DIFFERENCE_DEVIATION * noise_deviation(&readings[around])).max(coarse);
         // An outlier just before this reading may have been replaced by now.
         let (reading, deviates) = (cleaned[at], deviation(&cleaned, at));
-        if deviates.abs() <= STANDS_OUT * typical {
+        // At a step, the readings before and after it deviate from the cubic, but lie between their neighbours.
+        let is_beyond_both = (reading - cleaned[at - 1]) * (reading - cleaned[at + 1]) > 0.0;
+        if deviates.abs() <= STANDS_OUT * typical || !is_beyond_both {
             continue;
         }
         cleaned[at] -= deviates;
@@ -84,6 +86,15 @@ mod tests {
         assert!(note.contains(": 2;"), "{note}");
         let farthest = cleaned.iter().zip(&clean).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
         assert!(farthest < 0.2, "{farthest}");
+    }
+
+    #[test]
+    fn steps_of_any_size_stay() {
+        for percent in 1..400 {
+            let mut torque = torque_mnm();
+            torque[1000..].iter_mut().for_each(|torque| *torque += 0.01 * f64::from(percent));
+            assert!(without_outliers(&torque, "torque").is_none(), "{percent} %");
+        }
     }
 
     #[test]
