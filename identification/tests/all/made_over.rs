@@ -170,24 +170,18 @@ fn a_delay_that_a_damper_hides_is_part_of_the_interval_of_the_inertia() {
 }
 
 #[test]
-fn outliers_are_replaced_and_counted() {
+fn outliers_to_one_side_are_replaced_and_counted() {
     let t_s: Vec<f64> = (0..10_000).map(|index| real(index) * 1e-3).collect();
     let mut random = Uniform(3);
-    let [mut angle, mut torque] = with_detents(&t_s);
+    let [angle, mut torque] = with_detents(&t_s);
     torque.iter_mut().for_each(|torque| *torque += 0.05 * random.normal());
-    // To one side, so that they do not cancel.
     torque.iter_mut().skip(250).step_by(500).for_each(|torque| *torque += 40.0);
-    angle.iter_mut().skip(100).step_by(1000).for_each(|angle| *angle += 0.3);
     let fit = fitted(&[t_s, angle, torque]);
     for name in ["coulomb_negative", "coulomb_positive"] {
         let [low, high] = interval(&fit, name);
         assert!(low > 2.9 && high < 3.1, "{name}: {low} to {high}");
     }
-    for outliers in
-        ["the torque that stand out from all around them: 20;", "the angle that stand out from all around them: 10;"]
-    {
-        assert!(fit.notes.iter().any(|note| note.contains(outliers)), "{:?}", fit.notes);
-    }
+    assert!(fit.notes.iter().any(|note| note.contains("stand out from all around them: 20;")), "{:?}", fit.notes);
 }
 
 /// A knob of 0.2 mNm s²/rad, 4 mNm and 0.05 mNm s/rad under two slow tones, through an encoder of so many steps a turn.
