@@ -238,6 +238,7 @@ fn prepare(
 struct RealTimeThread {
     shared: Arc<SharedState>,
     /// Until the loop may begin.
+    #[allow(clippy::disallowed_types, reason = "sent to once, before the loop begins, and not by it")]
     start: Option<mpsc::Sender<()>>,
     thread: Option<JoinHandle<Result<(), ApparatusError>>>,
 }
