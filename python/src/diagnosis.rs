@@ -166,6 +166,11 @@ impl Diagnosis {
         let heldout = self.heldout.as_ref().map(|capture| analysis::facts(capture));
         DiagnosisPage { found: &self.found, train: analysis::facts(&self.train), heldout }
     }
+
+    /// A text in the words of the axis that was diagnosed.
+    fn said(&self, text: &str) -> String {
+        self.train.capture.axis.words(text).into_owned()
+    }
 }
 
 #[pymethods]
