@@ -72,7 +72,7 @@ pub enum AnalysisError {
         error: std::io::Error,
     },
     /// A folder without captures.
-    #[error("{} holds no file that ends in .{endings}", folder.display())]
+    #[error("{} holds no captures, which end in .{endings}; give another folder, or their files", folder.display())]
     NoCaptures {
         /// The folder.
         folder: PathBuf,

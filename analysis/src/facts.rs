@@ -20,22 +20,18 @@ pub fn facts(loaded: &LoadedCapture) -> CaptureFacts {
         title: loaded.title(),
         source: capture.file_name(),
         rate_hz: capture.rate_hz,
-        duration_s: capture.tick.last().map_or(0.0, |tick| (tick + 1) as f64 / capture.rate_hz),
+        duration_s: capture.duration_s(),
         samples: capture.len() as u64,
         software_version: env!("CARGO_PKG_VERSION").to_owned(),
         ..CaptureFacts::default()
     };
     let Some(run) = &capture.description else { return facts };
-    let first_tick = capture.tick.first().copied().unwrap_or(0);
-    let lost: u64 = capture.gaps.iter().map(|gap| gap.count).sum();
     CaptureFacts {
         knob: run.knob.clone(),
         rig: run.apparatus.clone(),
         captured_at: captured_at(run.clock.wall_clock_time_ns),
-        missed_ticks: Some(
-            (capture.ticks_without_sample() + first_tick).saturating_sub(lost + capture.unmeasured_samples),
-        ),
-        gaps: Some(lost),
+        missed_ticks: Some(capture.missed_tick_count()),
+        gaps: Some(capture.lost_samples()),
         real_time: Some(run.realtime & shared_types::realtime::FULL == shared_types::realtime::FULL),
         ..facts
     }

@@ -1,6 +1,7 @@
 //! What a rig's channels read while nothing moves it, as `rig check --json` writes it.
 
 use archive::Capture;
+use identification::statistics::{mean, range, standard_deviation};
 use serde::Serialize;
 
 /// Share of the ticks that may be missed or stale before the rate counts as not held.
@@ -60,9 +61,9 @@ impl RigCheck {
         let torque = reading("torque", "mNm", &capture.torque_mnm);
         let acceleration = capture.acceleration_rad_s2.as_ref().map(|column| reading("acceleration", "rad/s²", column));
         let contact = capture.contact.as_ref().map(|column| reading("contact", "1 if closed", column));
-        let after_us = |after_s: &Vec<f64>| (1e6 * mean(after_s), 1e6 * deviation(after_s));
+        let after_us = |after_s: &Vec<f64>| (1e6 * mean(after_s), 1e6 * standard_deviation(after_s));
         let (read_after_us, read_after_sd_us) = capture.measured_after_s.as_ref().map(after_us).unzip();
-        let missed_ticks = capture.ticks_without_sample().saturating_sub(capture.unmeasured_samples);
+        let missed_ticks = capture.missed_tick_count();
         let ticks = capture.len() as f64 + capture.unmeasured_samples as f64 + missed_ticks as f64;
         let mut amiss = Vec::new();
         if torque.span == 0.0 {
@@ -117,20 +118,7 @@ impl RigCheck {
 fn reading(channel: &'static str, unit: &'static str, values: &[f64]) -> Reading {
     let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     // The difference of two readings has the noise of both.
-    let noise_rms = deviation(&steps) / std::f64::consts::SQRT_2;
-    Reading { channel, unit, mean: mean(values), span: span(values), noise_rms }
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
-}
-
-fn deviation(values: &[f64]) -> f64 {
-    let mean = mean(values);
-    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64).sqrt()
-}
-
-/// Difference between the largest and the smallest value; negative where there are no values.
-fn span(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::MIN, f64::max) - values.iter().copied().fold(f64::MAX, f64::min)
+    let noise_rms = standard_deviation(&steps) / std::f64::consts::SQRT_2;
+    let [low, high] = range(values);
+    Reading { channel, unit, mean: mean(values), span: high - low, noise_rms }
 }

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use dynamics::{Axis, Excitation};
 use identification::filter::chebyshev2_low_pass;
+use identification::statistics::{mean, standard_deviation};
 use loaded_capture::LoadedCapture;
 use report::{CaptureFacts, ChannelDifference, ChannelLag, ChannelTrace, RigTest};
 
@@ -141,8 +142,15 @@ impl Channel {
         let filtered = chebyshev2_low_pass(3, 20.0, self.filter_edge_hz(), rate_hz)
             .map_or_else(|| differences.clone(), |filter| filter.filter_zero_phase(&differences));
         let (unit, paper_mean, paper_sd) = self.paper(axis);
-        let ((mean, sd), (_, sd_filtered)) = (mean_and_sd(&differences), mean_and_sd(&filtered));
-        ChannelDifference { channel: self.name(axis), unit, mean, sd, sd_filtered, paper_mean, paper_sd }
+        ChannelDifference {
+            channel: self.name(axis),
+            unit,
+            mean: mean(&differences),
+            sd: standard_deviation(&differences),
+            sd_filtered: standard_deviation(&filtered),
+            paper_mean,
+            paper_sd,
+        }
     }
 }
 
@@ -168,11 +176,4 @@ fn lag(channel: &'static str, signals: &[[f64; 3]]) -> ChannelLag {
         gain: measured[0].hypot(measured[1]) / original[0].hypot(original[1]),
         paper_phase_rad_below: PAPER_LAG_RAD,
     }
-}
-
-fn mean_and_sd(values: &[f64]) -> (f64, f64) {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    (mean, variance.sqrt())
 }

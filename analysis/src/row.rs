@@ -1,8 +1,9 @@
 //! A capture as one row of a table: what it is, what its fit tells, or what is wrong with it.
 
+use std::borrow::Cow;
 use std::path::Path;
 
-use dynamics::{ParameterKind, effects};
+use dynamics::{Axis, ParameterKind, effects};
 use identification::{Fit, PreparationMethod};
 use loaded_capture::LoadedCapture;
 use sheet::{Sheet, Specification, kinds_of};
@@ -26,7 +27,10 @@ pub enum Cell {
 
 /// A capture as a row: a cell for each of [`Row::columns`], under the same specification.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row(Vec<(String, Cell)>);
+pub struct Row {
+    cells: Vec<(String, Cell)>,
+    axis: Option<Axis>,
+}
 
 impl Row {
     /// Reads and fits a capture, and judges it where there is a specification.
@@ -52,6 +56,7 @@ impl Row {
         let error = error.filter(|_| !matches!(sheet, Some(Ok(_))));
         let mut row = Self::with(path, loaded.as_ref().ok(), fit, error);
         if let (Some(specification), Some(sheet)) = (specification, sheet) {
+            row.axis = row.axis.or(sheet.as_ref().ok().map(|sheet| sheet.axis));
             row.judge(specification, Some(sheet));
         }
         row
@@ -67,9 +72,9 @@ impl Row {
         let judgement = sheet.as_ref().map(|sheet| specification.judge(sheet));
         let verdict = judgement.as_ref().map(|judgement| judgement.verdict.word().to_owned());
         let reasons = judgement.map(|judgement| judgement.reasons.join("; "));
-        self.0.push(("verdict".to_owned(), Cell::Text(verdict)));
-        self.0.push(("verdict_reasons".to_owned(), Cell::Text(reasons)));
-        self.0.push(("sheet_error".to_owned(), Cell::Text(error)));
+        self.cells.push(("verdict".to_owned(), Cell::Text(verdict)));
+        self.cells.push(("verdict_reasons".to_owned(), Cell::Text(reasons)));
+        self.cells.push(("sheet_error".to_owned(), Cell::Text(error)));
         for kind in kinds_of(specification.axis()) {
             let figure = sheet.as_ref().and_then(|sheet| sheet.figure(kind));
             self.value(kind.name, figure.and_then(|figure| figure.value), figure.and_then(|figure| figure.ci95));
@@ -78,9 +83,9 @@ impl Row {
 
     /// Adds a value with the ends of its interval.
     fn value(&mut self, name: &str, value: Option<f64>, ci95: Option<[f64; 2]>) {
-        self.0.push((name.to_owned(), Cell::Real(value)));
-        self.0.push((format!("{name}{LOW}"), Cell::Real(ci95.map(|[low, _]| low))));
-        self.0.push((format!("{name}{HIGH}"), Cell::Real(ci95.map(|[_, high]| high))));
+        self.cells.push((name.to_owned(), Cell::Real(value)));
+        self.cells.push((format!("{name}{LOW}"), Cell::Real(ci95.map(|[low, _]| low))));
+        self.cells.push((format!("{name}{HIGH}"), Cell::Real(ci95.map(|[_, high]| high))));
     }
 
     fn with(path: &Path, loaded: Option<&LoadedCapture>, fit: Option<&Fit>, error: Option<String>) -> Self {
@@ -104,7 +109,7 @@ impl Row {
         ]
         .into_iter()
         .map(|(name, cell)| (name.to_owned(), cell));
-        let mut row = Self(cells.collect());
+        let mut row = Self { cells: cells.collect(), axis: loaded.map(|loaded| loaded.capture.axis) };
         for kind in parameters() {
             let parameter = fit.and_then(|fit| fit.parameters.get(kind.name));
             row.value(kind.name, parameter.and_then(|found| found.value), parameter.and_then(|found| found.ci95));
@@ -116,29 +121,38 @@ impl Row {
     #[must_use]
     pub fn columns(specification: Option<&Specification>) -> Vec<(String, Cell)> {
         let mut row = Self::with(Path::new(""), None, None, None);
-        row.0[0].1 = Cell::Text(None);
+        row.cells[0].1 = Cell::Text(None);
         if let Some(specification) = specification {
             row.judge(specification, None);
         }
-        row.0
+        row.cells
     }
 
-    /// The unit of a column; `None` for words, for counts and ratios.
+    /// The unit of a column about captures of this axis; `None` for words, for counts and ratios.
     #[must_use]
-    pub fn unit_of(column: &str, specification: Option<&Specification>) -> Option<&'static str> {
+    pub fn unit_of(column: &str, specification: Option<&Specification>, axis: Axis) -> Option<Cow<'static, str>> {
         let stem = column.strip_suffix(LOW).or_else(|| column.strip_suffix(HIGH)).unwrap_or(column);
         let of_parameter = parameters().find(|kind| kind.name == stem).map(|kind| kind.unit);
         let figures = specification.map(|specification| kinds_of(specification.axis())).unwrap_or_default();
         let of_figure = figures.iter().find(|kind| kind.name == stem).map(|kind| kind.unit);
         let known = [("_percent", "%"), ("_hz", "Hz")].into_iter().find(|(ending, _)| column.ends_with(ending));
         let unit = of_parameter.or(of_figure).or(known.map(|(_, unit)| unit));
-        unit.or_else(|| archive::unit_of(column)).filter(|unit| !unit.is_empty())
+        let unit = unit.or_else(|| archive::unit_of(column)).filter(|unit| !unit.is_empty())?;
+        // A figure is in the unit of its own axis already, and a phase is an angle on every axis.
+        let is_final = of_figure.is_some() || stem.ends_with("_phase");
+        Some(if is_final { Cow::Borrowed(unit) } else { axis.words(unit) })
     }
 
     /// The cells with their columns' names.
     #[must_use]
     pub fn cells(&self) -> &[(String, Cell)] {
-        &self.0
+        &self.cells
+    }
+
+    /// The axis of what was captured; `None` of a file that cannot be read.
+    #[must_use]
+    pub fn axis(&self) -> Option<Axis> {
+        self.axis
     }
 }
 

@@ -1,5 +1,6 @@
 //! Data sheets and verdicts, and what `judge --json` tells of them.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use archive::testers::{ColumnChoice, Curve};
@@ -8,7 +9,7 @@ use report::{JudgedUnit, SheetPage, VerdictsPage};
 use serde::Serialize;
 use sheet::{Sheet, Specification, Verdict};
 
-use crate::AnalysisError;
+use crate::{AnalysisError, MADE_BY};
 
 /// Endings of the files that a folder is read for.
 const ENDINGS: [&str; 5] = ["csv", "json", "mcap", "mf4", "txt"];
@@ -25,18 +26,31 @@ pub fn curve_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, AnalysisError> {
     Ok(files)
 }
 
-/// The captures of a folder, by name.
+/// The captures of a folder, by name: neither results of this program, nor a table beside an archive of the same name.
 fn files_in(folder: &Path) -> Result<Vec<PathBuf>, AnalysisError> {
     let unreadable = |error| AnalysisError::Unreadable { path: folder.to_owned(), error };
     let entries = std::fs::read_dir(folder).map_err(unreadable)?;
     let paths: Result<Vec<PathBuf>, std::io::Error> = entries.map(|entry| Ok(entry?.path())).collect();
     let mut paths = paths.map_err(unreadable)?;
-    paths.retain(|path| path.extension().is_some_and(|ending| ENDINGS.iter().any(|known| ending == *known)));
+    paths.retain(|path| ENDINGS.iter().any(|ending| ends_in(path, ending)) && !is_result(path));
+    let archives = paths.iter().filter(|path| ends_in(path, "mcap"));
+    let archives: HashSet<PathBuf> = archives.map(|path| path.with_extension("")).collect();
+    paths.retain(|path| !ends_in(path, "csv") || !archives.contains(&path.with_extension("")));
     paths.sort();
     if paths.is_empty() {
         return Err(AnalysisError::NoCaptures { folder: folder.to_owned(), endings: ENDINGS.join(", .") });
     }
     Ok(paths)
+}
+
+fn ends_in(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending))
+}
+
+/// Whether a file is a result of this program as JSON, and no tester's.
+fn is_result(path: &Path) -> bool {
+    let mark = format!("\"made_by\": \"{MADE_BY}\"");
+    ends_in(path, "json") && foreign_files::read_text(path).is_ok_and(|text| text.contains(&mark))
 }
 
 /// The curve of each file.

@@ -1,6 +1,5 @@
 //! A model along a capture's motion or torque.
 
-use archive::Capture;
 use dynamics::simulate::ForwardSimulation;
 use dynamics::{Calibration, Model, Motion, shifted};
 use identification::statistics::rms;
@@ -23,7 +22,7 @@ pub enum Drive {
 #[derive(Clone, Debug)]
 pub struct Simulation {
     /// The simulated capture, of the same length and rate.
-    pub capture: Capture,
+    pub capture: LoadedCapture,
     /// RMS of simulated minus captured torque along the motion, mNm, or of simulated minus captured angle under the torque, rad.
     pub rms_difference: f64,
     /// RMS of what was captured, likewise.
@@ -114,36 +113,39 @@ pub(crate) fn torque_at_knob(like: &LoadedCapture) -> Vec<f64> {
     like.capture.torque_mnm.iter().map(|torque| torque - zero).collect()
 }
 
-/// A capture of the simulated columns that says what it is.
-fn described(simulated: Simulated, like: &LoadedCapture, model: &Model) -> Capture {
+/// A capture of the simulated columns that says what it is: of a knob, or of a rendering if it follows one.
+fn described(simulated: Simulated, like: &LoadedCapture, model: &Model) -> LoadedCapture {
     let Simulated { angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm } = simulated;
     let mut capture = like.capture.clone();
-    // A capture of a rendering is kept as its sensor reads, and its calibration as the rig has it.
-    let rendered = capture.is_rendered();
     capture.angle_rad = angle_rad;
     capture.velocity_rad_s = Some(velocity_rad_s);
     capture.acceleration_rad_s2 = Some(acceleration_rad_s2);
     capture.torque_mnm = torque_mnm;
     capture.commanded_torque_mnm = None;
-    if let Some(description) = &mut capture.description {
-        description.apparatus = "simulation".to_owned();
-        description.knob = model.name.clone();
-        description.simulated_knob_toml = Some(model.to_toml());
-        // Simulated columns have nothing to be corrected but the gripper that turns with the knob.
-        description.calibration_toml = like.calibration.as_ref().map_or_else(String::new, |known| {
-            Calibration {
-                torque_zero_mnm: 0.0,
-                torque_delay_s: 0.0,
-                acceleration_zero_rad_s2: 0.0,
-                acceleration_delay_s: 0.0,
-                gravity_amplitude_rad_s2: 0.0,
-                torque_sensor_stiffness_mnm_rad: f64::MAX,
-                ..if rendered { known.seen_from_the_hand() } else { known.clone() }
-            }
-            .to_toml()
-        });
-    }
-    capture.of_knob()
+    // Simulated columns have nothing to be corrected but the gripper that turns with the knob.
+    let calibration = like.calibration.as_ref().map(|known| Calibration {
+        torque_zero_mnm: 0.0,
+        torque_delay_s: 0.0,
+        acceleration_zero_rad_s2: 0.0,
+        acceleration_delay_s: 0.0,
+        gravity_amplitude_rad_s2: 0.0,
+        torque_sensor_stiffness_mnm_rad: f64::MAX.copysign(known.torque_sensor_stiffness_mnm_rad),
+        ..known.clone()
+    });
+    let is_of_hand = calibration.as_ref().is_some_and(Calibration::is_seen_from_the_hand);
+    let mut description = capture.description_or_default();
+    description.apparatus = "simulation".to_owned();
+    description.knob = model.name.clone();
+    let is_rendered = is_of_hand || description.is_rendered();
+    let simulated =
+        if is_rendered { &mut description.rendered_model_toml } else { &mut description.simulated_knob_toml };
+    *simulated = Some(model.to_toml());
+    // An archive holds a calibration as the rig has it.
+    let of_rig = |known: &Calibration| if is_of_hand { known.seen_from_the_hand() } else { known.clone() };
+    description.calibration_toml = calibration.as_ref().map_or_else(String::new, |known| of_rig(known).to_toml());
+    capture.models = description.first_model().into_iter().collect();
+    capture.description = Some(description);
+    LoadedCapture { capture, calibration, truth: Some(model.clone()), ..LoadedCapture::default() }
 }
 
 fn rms_difference(left: &[f64], right: &[f64]) -> f64 {

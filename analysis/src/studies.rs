@@ -1,15 +1,18 @@
 //! Figures of many units, and what they tell of a process and of a tester.
 
 use std::collections::BTreeMap;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use archive::testers::ColumnChoice;
+use dynamics::Axis;
 use foreign_files::{Column, OtherColumns, TableError, read_columns};
 use sheet::{
     Capability, CapabilityError, Design, FigureKind, Gauge, GaugeError, Limits, QdasRow, Sheet, Specification, kinds,
+    kinds_of,
 };
 
-use crate::{AnalysisError, curve_files, curves};
+use crate::{AnalysisError, common_axis, curve_files, curves};
 
 /// Figures with their limits, and the units that they were measured on.
 pub struct Study {
@@ -19,9 +22,9 @@ pub struct Study {
 
 /// One unit as one operator measured it once.
 struct Unit {
-    /// The part's folder, or its number.
+    /// The part's folder, or its label.
     part: String,
-    /// The operator's folder, or the operator's number.
+    /// The operator's folder, or the operator's label.
     operator: String,
     /// The file; `None` for a row of a table.
     file: Option<PathBuf>,
@@ -75,17 +78,23 @@ pub enum StudyError {
     Unit(#[from] AnalysisError),
 }
 
-/// The figure that is named, or those that the specification limits.
+/// The figure that is named, or those that the specification limits. Figures of one name have equal units, and are told
+/// apart by the axis of the captures.
 fn studied(
     figure: Option<&str>,
     specification: Option<&Specification>,
+    axis: Option<Axis>,
 ) -> Result<Vec<(&'static FigureKind, Limits)>, StudyError> {
+    let of_axis = axis.map(kinds_of).unwrap_or_default();
+    let own = |kind: &'static FigureKind| of_axis.iter().copied().find(|one| one.name == kind.name).unwrap_or(kind);
     let limited = specification.map(Specification::limits).unwrap_or_default();
+    let mut limited = limited.iter().map(|&(kind, limits)| (own(kind), limits));
     let Some(name) = figure else {
-        return if limited.is_empty() { Err(StudyError::NoFigure) } else { Ok(limited.to_vec()) };
+        let limited: Vec<_> = limited.collect();
+        return if limited.is_empty() { Err(StudyError::NoFigure) } else { Ok(limited) };
     };
-    let without_limits = || kinds().find(|kind| kind.name == name).map(|kind| (kind, Limits::default()));
-    let known = limited.iter().find(|(kind, _)| kind.name == name).copied().or_else(without_limits);
+    let without_limits = || kinds().find(|kind| kind.name == name).map(|kind| (own(kind), Limits::default()));
+    let known = limited.find(|(kind, _)| kind.name == name).or_else(without_limits);
     known.map(|known| vec![known]).ok_or_else(|| StudyError::UnknownFigure(name.to_owned()))
 }
 
@@ -100,22 +109,27 @@ impl Study {
         figure: Option<&str>,
         specification: Option<&Specification>,
     ) -> Result<Self, StudyError> {
-        let figures = studied(figure, specification)?;
-        let unit = |file: PathBuf| {
-            let sheet = Sheet::of(&curves(std::slice::from_ref(&file), choice)?).map_err(AnalysisError::from)?;
+        // A wrong name is refused before anything is read.
+        studied(figure, specification, None)?;
+        let files = curve_files(captures)?;
+        let sheet = |file: &PathBuf| Ok(Sheet::of(&curves(std::slice::from_ref(file), choice)?)?);
+        let sheets = files.iter().map(sheet).collect::<Result<Vec<Sheet>, AnalysisError>>()?;
+        let axis = common_axis(sheets.iter().map(|sheet| sheet.axis))?;
+        let figures = studied(figure, specification, Some(axis))?;
+        let unit = |(file, sheet): (PathBuf, Sheet)| {
             let values = figures.iter().map(|(kind, _)| sheet.figure(kind).and_then(|figure| figure.value)).collect();
             // A capture lies in its operator's folder, and that in its part's.
             let [operator, part] = [1, 2].map(|above| {
                 let name = file.ancestors().nth(above).and_then(Path::file_name);
                 name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
             });
-            Ok(Unit { part, operator, file: Some(file), values })
+            Unit { part, operator, file: Some(file), values }
         };
-        let units = curve_files(captures)?.into_iter().map(unit).collect::<Result<_, StudyError>>()?;
+        let units = files.into_iter().zip(sheets).map(unit).collect();
         Ok(Self { figures, units })
     }
 
-    /// A study of the values of one figure in a table, with columns for part and operator.
+    /// A study of the values of one figure in a table, with columns of labels for part and operator.
     ///
     /// # Errors
     /// [`StudyError`].
@@ -124,15 +138,15 @@ impl Study {
         figure: Option<&str>,
         specification: Option<&Specification>,
     ) -> Result<Self, StudyError> {
-        let figures = studied(figure, specification)?;
-        let file =
-            foreign_files::open(table).map_err(|error| AnalysisError::Unreadable { path: table.to_owned(), error })?;
-        let wanted = [Column::required("value"), Column::optional("part"), Column::optional("operator")];
-        let [values, parts, operators] = read_columns(file, wanted, OtherColumns::Ignored)
+        let figures = studied(figure, specification, None)?;
+        let mut bytes = Vec::new();
+        foreign_files::open(table)
+            .and_then(|mut file| file.read_to_end(&mut bytes))
+            .map_err(|error| AnalysisError::Unreadable { path: table.to_owned(), error })?;
+        let [values] = read_columns(bytes.as_slice(), [Column::required(VALUE)], OtherColumns::Ignored)
             .map_err(|error| StudyError::Table { path: table.to_owned(), error })?;
-        let label = |column: &Option<Vec<f64>>, row: usize| {
-            column.as_ref().and_then(|column| column.get(row)).map(f64::to_string).unwrap_or_default()
-        };
+        let [parts, operators] = ["part", "operator"].map(|name| labels(&bytes, name));
+        let label = |column: &[String], row: usize| column.get(row).cloned().unwrap_or_default();
         let unit = |(row, value): (usize, f64)| Unit {
             part: label(&parts, row),
             operator: label(&operators, row),
@@ -203,6 +217,28 @@ impl Study {
         }
         Ok(sorted.into_values().map(|parts| parts.into_values().collect()).collect())
     }
+}
+
+/// The column of values in a table.
+const VALUE: &str = "value";
+
+/// The column of that name as text, row by row as [`read_columns`] reads the values; empty where there is none.
+fn labels(table: &[u8], name: &str) -> Vec<String> {
+    let above = foreign_files::preamble(table, &[VALUE]).unwrap_or_default();
+    let text = String::from_utf8_lossy(&table[above.len()..]);
+    // The header may be a comment.
+    let text = text.trim_start_matches(['\u{feff}', '#', ' ']);
+    let header = text.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
+    let separator = [b';', b'\t'].into_iter().find(|separator| header.as_bytes().contains(separator)).unwrap_or(b',');
+    let mut rows = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .flexible(true)
+        .delimiter(separator)
+        .from_reader(text.as_bytes());
+    let place = rows.headers().ok().and_then(|header| header.iter().position(|found| found.eq_ignore_ascii_case(name)));
+    let cell = |row: csv::StringRecord| place.and_then(|place| row.get(place)).unwrap_or_default().to_owned();
+    rows.records().flatten().map(cell).collect()
 }
 
 /// When a file was written, else now.

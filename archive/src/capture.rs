@@ -78,12 +78,12 @@ impl Capture {
         Self::load_chosen(path, None)
     }
 
-    /// [`load`](Self::load) for a table or a measurement whose columns were chosen.
+    /// [`load`](Self::load) for a table or a measurement whose columns were chosen; an archive's need no choice.
     ///
     /// # Errors
     /// As [`load`](Self::load), and [`ArchiveError::NoTime`] for one without a time.
     pub fn load_chosen(path: &Path, chosen: Option<&ColumnChoice>) -> Result<Self, ArchiveError> {
-        if chosen.is_some() || is_mdf(path)? {
+        if chosen.is_some() && !is_mcap(path)? || is_mdf(path)? {
             let curve = Curve::load(path, chosen)?;
             let has_time = curve.t_s.is_some();
             return if has_time { curve.into_capture() } else { Err(ArchiveError::NoTime { path: path.to_owned() }) };
@@ -92,6 +92,14 @@ impl Capture {
         let capture = if is_mcap(path)? { mcap_file::load(path)? } else { csv_file::load(path)? };
         capture.validate()?;
         Ok(capture)
+    }
+
+    /// Whether a file is an archive, whose columns have fixed names.
+    ///
+    /// # Errors
+    /// [`ArchiveError`] for a file that cannot be read.
+    pub fn is_archive(path: &Path) -> Result<bool, ArchiveError> {
+        is_mcap(path)
     }
 
     /// Whether a file is an archive, an ASAM MDF measurement, or a table with the columns of a capture and a time.
@@ -150,10 +158,30 @@ impl Capture {
         self
     }
 
+    /// From the first tick to the last, s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        let ends = self.tick.first().zip(self.tick.last());
+        ends.map_or(0.0, |(first, last)| last.saturating_sub(*first) as f64 / self.rate_hz)
+    }
+
     /// Ticks between the first row and the last at which there is no row, whatever the reason.
     #[must_use]
     pub fn ticks_without_sample(&self) -> u64 {
         self.tick.windows(2).map(|pair| pair[1].saturating_sub(pair[0]).saturating_sub(1)).sum()
+    }
+
+    /// Samples that were taken and are not in the archive.
+    #[must_use]
+    pub fn lost_samples(&self) -> u64 {
+        self.gaps.iter().map(|gap| gap.count).sum()
+    }
+
+    /// Ticks before the last row that the loop missed: those without a row, but for samples that were lost or not measured.
+    #[must_use]
+    pub fn missed_tick_count(&self) -> u64 {
+        let first_tick = self.tick.first().copied().unwrap_or(0);
+        (first_tick + self.ticks_without_sample()).saturating_sub(self.lost_samples() + self.unmeasured_samples)
     }
 
     /// Name of the capture's file, without its folder.
@@ -251,7 +279,9 @@ impl Capture {
         whole_file::write_whole(path, Replace::Nothing, |place| csv_file::write(self, place))
     }
 
-    fn description_or_default(&self) -> RunDescription {
+    /// The run's description, or that of an unknown run on an unknown rig.
+    #[must_use]
+    pub fn description_or_default(&self) -> RunDescription {
         let unknown = || RunDescription {
             software_version: env!("CARGO_PKG_VERSION").to_owned(),
             apparatus: "unknown".to_owned(),
@@ -319,7 +349,8 @@ pub(crate) fn is_mcap(path: &Path) -> Result<bool, ArchiveError> {
     if mcap::MAGIC.starts_with(&first_bytes) {
         return Err(ArchiveError::Truncated { path: path.to_owned() });
     }
-    if first_bytes.contains(&0) || path.extension().is_some_and(|extension| extension == "mcap") {
+    let is_utf_16 = first_bytes.starts_with(&[0xff, 0xfe]) || first_bytes.starts_with(&[0xfe, 0xff]);
+    if first_bytes.contains(&0) && !is_utf_16 || path.extension().is_some_and(|extension| extension == "mcap") {
         return Err(ArchiveError::NotACapture { path: path.to_owned() });
     }
     Ok(false)

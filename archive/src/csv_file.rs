@@ -31,9 +31,12 @@ pub(crate) fn load(path: &Path) -> Result<Capture, ArchiveError> {
 
 /// Sets rate, `seq` and ticks from the times of the rows.
 pub(crate) fn count(capture: &mut Capture) {
-    capture.rate_hz = rate_hz(&capture.t_s);
+    let even_s = dynamics::even_times(&capture.t_s);
+    let t_s = even_s.as_deref().unwrap_or(&capture.t_s);
+    let rate_hz = rate_hz(t_s);
+    capture.tick = ticks(t_s, rate_hz);
     capture.seq = (0..capture.t_s.len() as u64).collect();
-    capture.tick = ticks(&capture.t_s, capture.rate_hz);
+    capture.rate_hz = rate_hz;
 }
 
 /// Bytes at the beginning of a table that hold the names of all columns.
@@ -73,8 +76,7 @@ fn rate_hz(t_s: &[f64]) -> f64 {
 }
 
 fn ticks(t_s: &[f64], rate_hz: f64) -> Vec<u64> {
-    // A table may begin before its zero of time; ticks cannot.
-    let start = t_s.first().map_or(0.0, |&first| first.min(0.0));
+    let start = t_s.first().copied().unwrap_or_default();
     t_s.iter().map(|time| ((time - start) * rate_hz).round() as u64).collect()
 }
 

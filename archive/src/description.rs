@@ -71,6 +71,15 @@ pub(crate) fn attach<W: Write + Seek>(
     })
 }
 
+/// The sample rate that an archive gives, Hz: in the run's description, or where that is missing in its metadata.
+pub(crate) fn described_rate_hz(
+    run: Option<&RunDescription>,
+    metadata: &BTreeMap<String, BTreeMap<String, String>>,
+) -> Option<f64> {
+    let in_metadata = || metadata.get(CAPTURE_METADATA)?.get("rate_hz")?.parse().ok();
+    run.map(|run| run.rate_hz).or_else(in_metadata).filter(|rate_hz: &f64| rate_hz.is_finite() && *rate_hz > 0.0)
+}
+
 /// The metadata record `capture`.
 pub(crate) fn capture_metadata(description: &RunDescription) -> mcap::records::Metadata {
     let RunDescription {

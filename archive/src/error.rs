@@ -38,7 +38,11 @@ pub enum ArchiveError {
         path: PathBuf,
     },
     /// The file is neither MCAP nor text.
-    #[error("{} is not an MCAP archive (its first bytes are not MCAP's) and not a CSV table either", path.display())]
+    #[error(
+        "{} is not an MCAP archive (its first bytes are not MCAP's) and not a CSV table either; save a table as UTF-8 text, or name its \
+         columns, as in time=NAME,angle=NAME,torque=NAME",
+        path.display()
+    )]
     NotACapture {
         /// The file.
         path: PathBuf,
@@ -123,8 +127,8 @@ pub enum ArchiveError {
     },
     /// The file of a tester has no time, which a capture must have.
     #[error(
-        "{} has no time, so it is a curve and not a capture: only `fit`, `compare`, `sheet` and `judge` accept it; \
-         if it has a time, name its columns, as in angle=NAME,torque=NAME,time=NAME",
+        "{} has no time, so it is a curve and not a capture: only `fit`, `compare`, `sheet`, `judge`, \
+         `capability` and `gauge` accept it, by the names of its columns, as in angle=NAME,torque=NAME; if it has a time, add time=NAME",
         path.display()
     )]
     NoTime {

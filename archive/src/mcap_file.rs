@@ -13,7 +13,7 @@ use shared_types::{Axis, LoopState, ModelChange, RunDescription, Sample};
 use crate::capture::Capture;
 use crate::channels::Schemas;
 use crate::columns::{self, Column, Values};
-use crate::description::{CAPTURE_METADATA, GAPS_METADATA, attachment};
+use crate::description::{GAPS_METADATA, attachment, described_rate_hz};
 use crate::error::{ArchiveError, with_causes};
 use crate::parse::parse_record;
 use crate::records::{MAX_RECORD_BYTES, attachment_body_length, may_unpack_to};
@@ -177,11 +177,7 @@ impl<'a> Content<'a> {
         }
         let description: Option<RunDescription> =
             attachments.get(attachment::RUN).and_then(|json| serde_json::from_slice(json).ok());
-        let rate_hz = description
-            .as_ref()
-            .map(|run| run.rate_hz)
-            .or_else(|| metadata.get(CAPTURE_METADATA)?.get("rate_hz")?.parse().ok())
-            .filter(|rate: &f64| rate.is_finite() && *rate > 0.0)
+        let rate_hz = described_rate_hz(description.as_ref(), &metadata)
             .ok_or_else(|| ArchiveError::NoRate { path: path.to_owned() })?;
         let gaps = recorded_gaps(&metadata).unwrap_or_else(|| rows.gaps());
         let mut capture = Capture {

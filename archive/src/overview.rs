@@ -9,7 +9,7 @@ use shared_types::{LoopState, RunDescription};
 
 use crate::capture::Capture;
 use crate::channels::Schemas;
-use crate::description::{RECOVERY_METADATA, attachment};
+use crate::description::{RECOVERY_METADATA, attachment, described_rate_hz};
 use crate::error::ArchiveError;
 use crate::mcap_file::{read_records, recorded_gaps};
 use crate::parse::parse_record;
@@ -57,11 +57,8 @@ impl Overview {
     }
 
     fn of_table(table: &Capture) -> Self {
-        let duration_s = match (table.t_s.first(), table.t_s.last()) {
-            (Some(first), Some(last)) => last - first,
-            _ => 0.0,
-        };
-        Self { samples: table.len() as u64, rate_hz: table.rate_hz, duration_s, ..Self::default() }
+        let (samples, duration_s) = (table.len() as u64, table.duration_s());
+        Self { samples, rate_hz: table.rate_hz, duration_s, ..Self::default() }
     }
 }
 
@@ -134,8 +131,8 @@ impl Content {
         if self.channels.is_empty() {
             return Err(ArchiveError::NoSamples { path: path.to_owned() });
         }
-        let rate_hz = self.description.as_ref().map(|run| run.rate_hz).filter(|rate| rate.is_finite() && *rate > 0.0);
-        let rate_hz = rate_hz.ok_or_else(|| ArchiveError::NoRate { path: path.to_owned() })?;
+        let rate_hz = described_rate_hz(self.description.as_ref(), &self.metadata)
+            .ok_or_else(|| ArchiveError::NoRate { path: path.to_owned() })?;
         let recorded = recorded_gaps(&self.metadata);
         let lost = |gaps: &Vec<Gap>| gaps.iter().map(|gap| gap.count).sum();
         let lost_samples = recorded.as_ref().map_or_else(|| self.ledger.missing(), lost);

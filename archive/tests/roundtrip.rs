@@ -206,6 +206,20 @@ fn an_archive_of_another_version_opens_by_the_names_in_its_own_schema() {
     assert_eq!(capture.t_s, [0.0, 0.001, 0.002, 0.003, 0.004]);
     assert_eq!((capture.velocity_rad_s, capture.state), (None, None));
     assert_eq!((capture.missed_ticks, capture.flags), (None, None));
+    let overview = archive::Overview::read(&path).unwrap();
+    assert_eq!((overview.samples, overview.rate_hz, overview.duration_s), (5, capture.rate_hz, capture.t_s[4]));
+}
+
+#[test]
+fn a_table_that_begins_late_is_as_long_as_from_its_first_row_to_its_last() {
+    let directory = tempdir().unwrap();
+    let [table, saved] = ["late.csv", "late.mcap"].map(|name| directory.path().join(name));
+    let rows: String = (0..=1000).map(|row| format!("{},{row},0\n", 300.0 + 0.01 * f64::from(row))).collect();
+    std::fs::write(&table, format!("t_s,angle_rad,torque_mnm\n{rows}")).unwrap();
+    let capture = Capture::load(&table).unwrap();
+    capture.write_mcap(&saved).unwrap();
+    assert_eq!(capture.duration_s(), 10.0);
+    assert_eq!([table, saved].map(|path| archive::Overview::read(&path).unwrap().duration_s), [10.0; 2]);
 }
 
 #[test]

@@ -124,7 +124,8 @@ fn content_and_not_the_name_tells_an_archive_from_a_table() {
     assert_eq!(Capture::load(&bench.put("archive.csv", common::recording(0..9, 9))).unwrap().len(), 9);
     let table = "t_s,angle_rad,torque_mnm\n0,0,0\n1,0,0\n2,0,0\n";
     assert_eq!(Capture::load(&bench.put("table.txt", table)).unwrap().len(), 3);
-    let not_one = "is not an MCAP archive (its first bytes are not MCAP's) and not a CSV table either";
+    let not_one = "is not an MCAP archive (its first bytes are not MCAP's) and not a CSV table either; save a table as UTF-8 text, or name \
+                   its columns, as in time=NAME,angle=NAME,torque=NAME";
     assert_eq!(bench.refusal("a.mcap", "hello, this is text"), format!("a.mcap {not_one}"));
     assert_eq!(bench.refusal("a.csv", [0xff, 0xd8, 0xff, 0xe0, 0, 0x10, 1, 2, 3, 0, 0]), format!("a.csv {not_one}"));
     assert_eq!(bench.refusal("b.csv", b"t_s,angle_rad\xff\xfe,torque_mnm\n"), format!("b.csv {not_one}"));

@@ -10,7 +10,7 @@ use shared_types::Axis;
 /// Gram-force, N.
 const GF: f64 = 9.806_65e-3;
 
-fn read(name: &str, text: &str, choice: Option<&ColumnChoice>) -> Result<Curve, String> {
+fn read(name: &str, text: impl AsRef<[u8]>, choice: Option<&ColumnChoice>) -> Result<Curve, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, text).unwrap();
@@ -110,6 +110,31 @@ fn any_other_table_is_read_by_the_columns_that_its_owner_names() {
         choice("angle=W", "").unwrap_err().to_string(),
         "name the columns of angle and torque, or of travel and force"
     );
+}
+
+#[test]
+fn a_table_is_read_as_spreadsheets_and_scripts_write_it() {
+    let choice = |columns: &str| ColumnChoice::new(columns.parse().unwrap(), Default::default()).unwrap();
+    let [named, numbered] = ["time=Zeit [s],angle=Winkel [°],torque=M [Nm]", "time=1,angle=2,torque=3"].map(choice);
+    let german = table("Zeit [s];Winkel [°];M [Nm]\r\n", |n| format!("0,{n:03};{n},5;0,25\r"));
+    let windows_1252: Vec<u8> = german.chars().map(|letter| u8::try_from(u32::from(letter)).unwrap()).collect();
+    let utf_16: Vec<u8> = std::iter::once(0xfeff).chain(german.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    for bytes in [german.clone().into_bytes(), windows_1252, utf_16] {
+        let curve = read("bench.csv", bytes, Some(&named)).unwrap();
+        assert!((curve.position[2] - 2.5_f64.to_radians()).abs() < 1e-12 && (curve.load[2] - 250.0).abs() < 1e-12);
+    }
+    // What stands above and below the rows decides nothing.
+    let head = "Bench 7; Monday, with tea\nDate,21,11,2024\nLimits,0.5,10\n";
+    let text = table(&format!("{head}Zeit [s],Winkel [°],M [Nm]\n"), |n| format!("0.{n:03},{n},0.25"));
+    let curve = read("bench.csv", format!("{text}end of file\n"), Some(&named)).unwrap();
+    assert_eq!((curve.len(), curve.load[19]), (20, 250.0));
+    // As `numpy.savetxt` writes it.
+    for header in ["", "# t angle torque\n"] {
+        let text = table(header, |n| format!("{:.18e} {n:.18e} {:.18e}", 1e-3 * n, 2.0 * n));
+        assert_eq!(read("bench.txt", &text, Some(&numbered)).unwrap().load[3], 6.0);
+    }
+    let text = table("# t angle torque\n", |n| format!("{} {n} {}", 1e-3 * n, 2.0 * n));
+    assert_eq!(read("bench.txt", &text, Some(&choice("time=t,angle=angle,torque=torque"))).unwrap().load[3], 6.0);
 }
 
 #[test]

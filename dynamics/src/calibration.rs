@@ -218,6 +218,24 @@ impl Calibration {
         }
     }
 
+    /// The calibration for a torque that is the motor's: it also accelerates the rotor, whose inertia then counts with the gripper's.
+    #[must_use]
+    pub fn with_rotor(&self) -> Self {
+        Self { gripper_inertia: self.gripper_inertia + self.motor_inertia, ..self.clone() }
+    }
+
+    /// The rig's own calibration, of one [with the rotor](Self::with_rotor).
+    #[must_use]
+    pub fn without_rotor(&self) -> Self {
+        Self { gripper_inertia: (self.gripper_inertia - self.motor_inertia).max(0.0), ..self.clone() }
+    }
+
+    /// Whether this is a rig [seen from the hand](Self::seen_from_the_hand).
+    #[must_use]
+    pub fn is_seen_from_the_hand(&self) -> bool {
+        self.torque_sensor_stiffness_mnm_rad < 0.0
+    }
+
     /// Gravity in the acceleration signal at an angle, rad/s².
     #[must_use]
     pub fn gravity_rad_s2(&self, angle_rad: f64) -> f64 {

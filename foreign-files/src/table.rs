@@ -2,7 +2,7 @@
 //!
 //! A table has a line of column names, and below it one row of numbers a line; what stands above that line is passed over. Columns may stand in any order, and their names
 //! be written in capitals. A byte order mark, Windows line ends, quotation marks, blanks around cells, empty lines, lines that begin
-//! with `#` and separators at the ends of lines are passed over. Commas, semicolons or tabulators separate cells. Numbers are finite and
+//! with `#` (but for a header written so) and separators at the ends of lines are passed over. Commas, semicolons or tabulators separate cells. Numbers are finite and
 //! written with a point, beside semicolons or tabulators also with a comma.
 
 use std::borrow::Cow;
@@ -87,11 +87,15 @@ pub fn read_columns<const N: usize>(
     let mut text = BufReader::with_capacity(HEAD, text);
     let required = wanted.iter().filter(|column| column.required).map(|column| column.name);
     let head = text.fill_buf().map_err(from_io)?;
-    let preamble = preamble(head, &required.collect::<Vec<_>>()).unwrap_or_default();
+    let above = preamble(head, &required.collect::<Vec<_>>());
+    let preamble = above.unwrap_or_default();
     let lines_above = preamble.iter().filter(|byte| **byte == b'\n').count() as u64;
-    let length = preamble.len();
-    let separator = separator(header_line(&head[length..]));
-    text.consume(length);
+    let table = &head[preamble.len()..];
+    // A header that is a comment, as NumPy writes it, is not passed over.
+    let mark = table.iter().take_while(|byte| above.is_some() && b"# ".contains(byte)).count();
+    let separator = separator(header_line(table));
+    let above = preamble.len() + mark;
+    text.consume(above);
     let mut table = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
@@ -144,21 +148,30 @@ fn places<const N: usize>(
     Err(TableError::Header { found: quoted(&found), expected: expected.collect() })
 }
 
-/// What stands above the line that names all these columns, at a text's beginning; `None` where no line does.
+/// What stands above the line that names all these columns, at a text's beginning; `None` where no line does. The line may be a comment, if no
+/// other names them.
 #[must_use]
 pub fn preamble<'a>(text: &'a [u8], names: &[&str]) -> Option<&'a [u8]> {
     let head = text.get(..HEAD).unwrap_or(text);
-    let mut start = 0;
-    for line in head.split_inclusive(|byte| *byte == b'\n') {
+    let names_all = |line: &[u8]| {
         let found = String::from_utf8_lossy(line);
         let separator = char::from(separator(line));
         let cells: Vec<&str> = found.split(separator).map(|cell| cell.trim().trim_matches(['"', '\u{feff}'])).collect();
-        if names.iter().all(|name| cells.iter().any(|cell| cell.eq_ignore_ascii_case(name))) {
-            return Some(&head[..start]);
+        names.iter().all(|name| cells.iter().any(|cell| cell.eq_ignore_ascii_case(name)))
+    };
+    let mut start = 0;
+    let mut in_comment = None;
+    for line in head.split_inclusive(|byte| *byte == b'\n') {
+        let marks = line.iter().take_while(|byte| **byte == b'#').count();
+        if names_all(&line[marks..]) {
+            if marks == 0 {
+                return Some(&head[..start]);
+            }
+            in_comment.get_or_insert(&head[..start]);
         }
         start += line.len();
     }
-    None
+    in_comment
 }
 
 /// The first line that is neither empty nor a comment.
@@ -167,19 +180,13 @@ fn header_line(head: &[u8]) -> &[u8] {
     head.split(|byte| *byte == b'\n').find(is_header).unwrap_or_default()
 }
 
-/// The separator of a table's cells, from the table's beginning: semicolons or tabulators if there are any, since commas beside them are
-/// decimal commas; else commas. Lines that begin with `#` do not count.
-#[must_use]
-pub fn separator(text: &[u8]) -> u8 {
-    let head = text.get(..HEAD).unwrap_or(text);
-    let lines = head.split(|byte| *byte == b'\n').filter(|line| !line.starts_with(b"#"));
-    let bytes = lines.flatten();
-    let count = |separator: u8| bytes.clone().filter(|byte| **byte == separator).count();
-    let (commas, semicolons, tabulators) = (count(b','), count(b';'), count(b'\t'));
-    let header = header_line(head);
+/// The separator of a header's cells: semicolons or tabulators if there are any, since commas beside them are decimal commas; else commas.
+fn separator(header: &[u8]) -> u8 {
+    let count = |separator: u8| header.iter().filter(|byte| **byte == separator).count();
+    let (semicolons, tabulators) = (count(b';'), count(b'\t'));
     if semicolons > 0 && semicolons >= tabulators {
         b';'
-    } else if tabulators > commas || header.contains(&b'\t') && !header.contains(&b',') {
+    } else if tabulators > 0 {
         b'\t'
     } else {
         b','

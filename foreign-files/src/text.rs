@@ -6,6 +6,15 @@ use std::fmt::Write as _;
 /// Most characters of a line: a dozen lines of a terminal.
 const LONGEST_LINE: usize = 1000;
 
+/// The text of a table that somebody else's program wrote: UTF-8, UTF-16 with its byte order mark, or else Windows-1252, in which spreadsheets of
+/// western Europe write `°` and `µ`.
+#[must_use]
+pub fn decoded(bytes: &[u8]) -> Cow<'_, str> {
+    let encoding = if std::str::from_utf8(bytes).is_ok() { encoding_rs::UTF_8 } else { encoding_rs::WINDOWS_1252 };
+    // A byte order mark overrules it, and is removed.
+    encoding.decode(bytes).0
+}
+
 /// The text with every character shown that a terminal would obey instead, as JSON and TOML write it; line ends stay.
 #[must_use]
 pub fn visible(text: &str) -> Cow<'_, str> {

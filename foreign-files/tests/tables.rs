@@ -25,6 +25,7 @@ fn what_spreadsheets_and_people_add_is_passed_over() {
         "t_s;angle_rad\n0;2,5\n1;-3e-1\n",
         "% MATLAB\nt_s,angle_rad\n0,2.5\n1,-3e-1\n",
         "Recorded by rig 7, on Monday\n\"Rate: 1000 Hz\"\n\nt_s;angle_rad\n0;2,5\n1;-3e-1\n",
+        "# by NumPy\n# t_s,angle_rad\n0,2.5\n1,-3e-1\n",
         "# drawn; by hand\nT_S\tAngle_rad\n0\t2,5\n1\t-0.3\n",
     ] {
         assert_eq!(read(text, OtherColumns::Refused).unwrap(), expected, "{text:?}");

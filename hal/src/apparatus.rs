@@ -108,16 +108,12 @@ impl RigDescription {
         format!("the rig '{}': {}", self.name, error.reason(&self.codes))
     }
 
-    /// The calibration for an analysis of the knob from this rig's torque. The motor's torque, where there is no sensor, also
-    /// accelerates the rotor, whose inertia then counts with the gripper's.
+    /// The calibration for an analysis of the knob from this rig's torque, [with the rotor](Calibration::with_rotor) where there is no sensor.
     #[must_use]
     pub fn calibration_of_torque(&self) -> Calibration {
-        let known = &self.calibration;
         match self.torque {
-            TorqueSource::Sensor => known.clone(),
-            TorqueSource::Motor => {
-                Calibration { gripper_inertia: known.gripper_inertia + known.motor_inertia, ..known.clone() }
-            }
+            TorqueSource::Sensor => self.calibration.clone(),
+            TorqueSource::Motor => self.calibration.with_rotor(),
         }
     }
 }

@@ -10,6 +10,7 @@ use archive::whole_file::{self, Replace, write_bytes};
 use archive::{ArchiveError, Capture, attachment};
 use dynamics::{Calibration, CalibrationError, Model, ModelError};
 use identification::Samples;
+use shared_types::RunDescription;
 
 /// The first line of a calibration's file that was written here.
 pub const CALIBRATION_MARK: &str = "## made by haptic-camera\n";
@@ -131,8 +132,8 @@ impl LoadedCapture {
     /// # Errors
     /// [`LoadError`], one sentence on what is wrong with a file.
     pub fn load_measured(path: &Path, chosen: Option<&ColumnChoice>) -> Result<Self, LoadError> {
-        if chosen.is_none() && Capture::is_one(path)? {
-            return Self::load(path);
+        if let Some(loaded) = capture_at(path, chosen)? {
+            return Ok(loaded);
         }
         let mut curve = match Curve::load(path, chosen) {
             // The error that names the columns of a capture is more helpful than the one about formats of testers.
@@ -176,8 +177,8 @@ impl LoadedCapture {
             return Ok(None);
         };
         let beside = calibration_beside(path);
-        // A file holds a calibration as the rig has it. Seen from the hand, the stiffness is negative.
-        let text = if calibration.torque_sensor_stiffness_mnm_rad < 0.0 {
+        // A file holds a calibration as the rig has it.
+        let text = if calibration.is_seen_from_the_hand() {
             format!("{CALIBRATION_MARK}{OF_REPLAY_MARK}{}", calibration.seen_from_the_hand().to_toml())
         } else {
             format!("{CALIBRATION_MARK}{}", calibration.to_toml())
@@ -191,12 +192,20 @@ impl LoadedCapture {
         Ok(Some(beside))
     }
 
-    /// Writes the capture as an archive, with the torque as the rig's sensor reads it.
+    /// Writes the capture as an archive, with the torque as the rig's sensor reads it and the calibration.
     ///
     /// # Errors
     /// As [`Capture::write_mcap_to`].
     pub fn write_mcap_to<W: Write + Seek>(&self, output: W) -> Result<(), ArchiveError> {
-        self.capture.clone().of_knob().write_mcap_to(output)
+        let mut capture = self.capture.clone().of_knob();
+        // A table's calibration is in a file of its own. An archive cannot say that the rig rendered an unknown model.
+        let of_table =
+            self.calibration.as_ref().filter(|known| capture.description.is_none() && !known.is_seen_from_the_hand());
+        if let Some(known) = of_table {
+            let calibration_toml = known.to_toml();
+            capture.description = Some(RunDescription { calibration_toml, ..capture.description_or_default() });
+        }
+        capture.write_mcap_to(output)
     }
 
     /// Torque commanded from the motor, mNm; `None` for a table or a simulation without it.
@@ -212,10 +221,19 @@ impl LoadedCapture {
 /// # Errors
 /// [`LoadError`], one sentence on what is wrong with a file.
 pub fn load_curve(path: &Path, chosen: Option<&ColumnChoice>) -> Result<Curve, LoadError> {
-    if chosen.is_none() && Capture::is_one(path)? {
-        return Ok(LoadedCapture::load(path)?.curve());
+    match capture_at(path, chosen)? {
+        Some(loaded) => Ok(loaded.curve()),
+        None => Ok(Curve::load(path, chosen)?),
     }
-    Ok(Curve::load(path, chosen)?)
+}
+
+/// What is a capture as it stands: an archive, or a file with a time whose columns were not chosen; `None` for others.
+fn capture_at(path: &Path, chosen: Option<&ColumnChoice>) -> Result<Option<LoadedCapture>, LoadError> {
+    let is_one = if chosen.is_some() { Capture::is_archive(path)? } else { Capture::is_one(path)? };
+    match is_one.then(|| LoadedCapture::load(path)).transpose() {
+        Err(LoadError::Archive(ArchiveError::NoTime { .. })) => Ok(None),
+        loaded => loaded,
+    }
 }
 
 /// The place of an exported table's calibration.

@@ -62,7 +62,7 @@ pub(crate) fn read(
 ) -> PyResult<Capture> {
     let choice = choice(columns, units)?;
     let loaded = interruptible(py, move || LoadedCapture::load_chosen(&path, choice.as_ref()))?.map_err(raised)?;
-    Ok(Capture { loaded: Arc::new(loaded) })
+    Ok(Capture::of(loaded))
 }
 
 /// A getter of a column that every capture has, and of one that may be absent.
@@ -140,7 +140,7 @@ impl Capture {
             ..archive::Capture::default()
         })
         .map_err(raised)?;
-        Ok(Self::of(capture))
+        Ok(Self::of(LoadedCapture { capture, ..LoadedCapture::default() }))
     }
 
     /// Time since the start of the run, s.
@@ -347,8 +347,7 @@ impl Capture {
 }
 
 impl Capture {
-    /// A capture made in memory.
-    pub(crate) fn of(capture: archive::Capture) -> Self {
-        Self { loaded: Arc::new(LoadedCapture { capture, ..LoadedCapture::default() }) }
+    pub(crate) fn of(loaded: LoadedCapture) -> Self {
+        Self { loaded: Arc::new(loaded) }
     }
 }

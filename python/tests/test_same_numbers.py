@@ -50,6 +50,11 @@ def test_a_simulation_is_that_of_the_command_line(
     ours, theirs = hc.simulate(3, captures[0], drive=drive), hc.read(out)
     assert np.array_equal(ours.torque_mnm, theirs.torque_mnm)
     assert np.array_equal(ours.angle_rad, theirs.angle_rad)
+    assert ours.truth == theirs.truth == hc.Model.load(3)
+    # The gripper turns with the knob in both.
+    assert hc.fit(ours).parameters == hc.fit(theirs).parameters
+    ours.save(tmp_path / "saved.mcap")
+    assert hc.fit(tmp_path / "saved.mcap").parameters == hc.fit(theirs).parameters
 
 
 def test_a_replay_is_recomputed_bit_for_bit_and_refused_by_the_command_line(
@@ -61,6 +66,12 @@ def test_a_replay_is_recomputed_bit_for_bit_and_refused_by_the_command_line(
     felt = hc.replay(3, hand="multisine", grip=6, duration_s=2, rate_hz=5000, **options)
     assert (felt.truth, felt.rate_hz, felt.to_dict()["rig"]) == (hc.Model.load(3), 5000, "bench")
     assert "every torque command, bit for bit" in command_line("recompute", felt.source)
+    another = hc.simulate(4, felt)
+    another.save(tmp_path / "another.mcap")
+    read = hc.read(tmp_path / "another.mcap")
+    assert another.truth == read.truth == hc.Model.load(4)
+    assert np.array_equal(another.torque_mnm, read.torque_mnm)
+    assert hc.fit(another).parameters == hc.fit(read).parameters
     ended = subprocess.run([PROGRAM, "replay", "5", "--offline"], capture_output=True, text=True)
     with pytest.raises(hc.Error) as raised:
         hc.replay(5, **options)

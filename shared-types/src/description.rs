@@ -91,6 +91,12 @@ impl RunDescription {
         self.rendered_model_toml.is_some()
     }
 
+    /// Whether the rig has no torque sensor, and the torque is that of its motor: drivers note it so.
+    #[must_use]
+    pub fn has_motors_torque(&self) -> bool {
+        self.notes.iter().any(|(name, _)| name == "torque")
+    }
+
     /// What the rig was commanded to follow.
     ///
     /// # Errors

@@ -87,6 +87,12 @@ impl Sample {
     pub fn time_s(&self, rate_hz: f64) -> f64 {
         self.tick as f64 / rate_hz + self.measured_after_s
     }
+
+    /// By how much the loop was late, ns: after a stall, for the first tick that it missed.
+    #[must_use]
+    pub fn whole_lateness_ns(&self, rate_hz: f64) -> u64 {
+        self.lateness_ns + u64::from(self.missed_ticks) * (1e9 / rate_hz) as u64
+    }
 }
 
 wire_code! {

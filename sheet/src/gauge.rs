@@ -1,5 +1,6 @@
 //! Whether a tester is good enough: repeatability and reproducibility beside the parts' own spread.
 
+use identification::statistics::mean;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
@@ -117,12 +118,10 @@ struct Squares {
 impl Squares {
     fn of(values: &[Vec<Vec<f64>>], counts: [usize; 3]) -> Self {
         let [o, p, r] = counts.map(|count| count as f64);
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let cells: Vec<Vec<f64>> =
             values.iter().map(|parts| parts.iter().map(|trials| mean(trials)).collect()).collect();
         let operators: Vec<f64> = cells.iter().map(|cells| mean(cells)).collect();
-        let parts: Vec<f64> =
-            (0..counts[1]).map(|part| mean(&cells.iter().map(|cells| cells[part]).collect::<Vec<f64>>())).collect();
+        let parts: Vec<f64> = (0..counts[1]).map(|part| mean(cells.iter().map(|cells| cells[part]))).collect();
         let grand = mean(&operators);
         let square = |value: f64, about: f64| (value - about).powi(2);
         let of_cells = cells.iter().zip(&operators);

@@ -1,5 +1,6 @@
 //! What a curve's own noise does to its figures.
 
+use identification::statistics::{mean, standard_deviation};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};
 
@@ -32,8 +33,5 @@ impl Signs {
 
 /// Mean and standard deviation; `None` of fewer than two values.
 pub(crate) fn mean_and_deviation(values: &[f64]) -> Option<(f64, f64)> {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    (values.len() > 1).then(|| (mean, (squares / (count - 1.0)).sqrt()))
+    (values.len() > 1).then(|| (mean(values), standard_deviation(values)))
 }

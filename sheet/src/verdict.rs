@@ -1,5 +1,6 @@
 //! Whether a part is as it must be: pass, fail, or undecided where the interval straddles a limit.
 
+use identification::statistics::{range, student_95};
 use serde::Serialize;
 use shared_types::Axis;
 
@@ -8,6 +9,9 @@ use crate::perception::{PerceivedDifference, perceived_figure};
 use crate::quantiles::student_quantile;
 use crate::repeats::Sheet;
 use crate::specification::{Envelope, Limits, Specification};
+
+/// How far a branch may end before its envelope does, as a share of the envelope's length.
+const NEAR_AN_END: f64 = 0.01;
 
 /// What is decided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -220,7 +224,7 @@ fn of_branch(guard: Guard, envelope: &Envelope, sheet: &Sheet) -> (EnvelopeVerdi
     // A branch has its share of the risk for all of its rows.
     let guard = Guard { limits: guard.limits * rows.len().max(1), ..guard };
     let freedom = if sheet.runs > 1 { sheet.runs as f64 - 1.0 } else { f64::INFINITY };
-    let width_95 = identification::statistics::student_95(freedom);
+    let width_95 = student_95(freedom);
     let judged = rows.iter().map(|[position, load, half, low, high]| {
         let limits = Limits { min: Some(*low), max: Some(*high) };
         (guard.verdict(*load, half / width_95, freedom, limits), (low - load).max(load - high), *position, *load)
@@ -238,7 +242,25 @@ fn of_branch(guard: Guard, envelope: &Envelope, sheet: &Sheet) -> (EnvelopeVerdi
         Verdict::Fail => Some(format!("{seen}, is outside its envelope")),
         Verdict::Undecided => Some(format!("{seen}, is too uncertain to compare with its envelope")),
     };
+    let (verdict, reason) = match uncovered(envelope, sheet) {
+        Some(uncovered) if verdict == Verdict::Pass => (Verdict::Undecided, Some(uncovered)),
+        _ => (verdict, reason),
+    };
     (EnvelopeVerdict { branch, verdict, worst_position: Some(position) }, reason)
+}
+
+/// What to do where a branch does not reach both ends of its envelope.
+fn uncovered(envelope: &Envelope, sheet: &Sheet) -> Option<String> {
+    let (curve, name) = (sheet.curve.get(envelope.branch.as_str())?, &envelope.branch);
+    let [first, last] = [curve.position(0), curve.position(curve.len().saturating_sub(1))];
+    let [from, to] = range(envelope.points.iter().map(|[position, ..]| position));
+    let near = curve.step.max(NEAR_AN_END * (to - from));
+    let is_covered = first <= from + near && last >= to - near;
+    (!is_covered).then(|| {
+        let [first, last, from, to] = [first, last, from, to].map(short);
+        let unit = sheet.axis.position_unit();
+        format!("the {name} branch reaches from {first} to {last} {unit}, its envelope from {from} to {to}; capture all of it")
+    })
 }
 
 /// A number with the decimals that an interval of that width supports.

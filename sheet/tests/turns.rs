@@ -145,6 +145,12 @@ fn a_knob_passes_fails_or_is_undecided_by_its_interval() {
     };
     assert_eq!(judge(&envelope(14.0)).0, Verdict::Pass);
     assert_eq!(judge(&envelope(12.0)).0, Verdict::Fail);
+    // The knob was turned through eight radians: what lies beyond nobody has seen.
+    let farther = |high| envelope(high).replace("[1, 6]", "[1, 12]");
+    let (verdict, reasons) = judge(&farther(14.0));
+    assert_eq!(verdict, Verdict::Undecided);
+    assert!(reasons.contains("its envelope from 1 to 12; capture all of it"), "{reasons}");
+    assert_eq!(judge(&farther(12.0)).0, Verdict::Fail);
 
     let wrong = |text: &str| Specification::from_toml(text).unwrap_err().to_string();
     assert!(wrong("[figures.peak]\nmin = 1").starts_with("`peak` is not a figure; known are collapse_force, "));

@@ -10,7 +10,7 @@ use dynamics::{Model, effects};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter, result::ZipError};
 
-use crate::said::{Export, misreadings, without_misreadings};
+use crate::said::{Export, LinearAxis, misreadings, refuse_linear, without_misreadings};
 use crate::xml::{attribute, comment};
 
 /// What the description and the library must agree about.
@@ -60,11 +60,23 @@ impl Variable {
     }
 }
 
+/// Why a model has no FMU.
+#[derive(Debug, thiserror::Error)]
+pub enum FmuError {
+    /// A model of what is pressed or slid.
+    #[error(transparent)]
+    Linear(#[from] LinearAxis),
+    /// Parts that are too large for a ZIP file.
+    #[error(transparent)]
+    Zip(#[from] ZipError),
+}
+
 /// The model as an FMU around `library`, the shared library `knob-fmu` for this machine's processor and Linux.
 ///
 /// # Errors
-/// Where the parts are too large for a ZIP file.
-pub fn fmu(model: &Model, library: &[u8]) -> Result<Export<Vec<u8>>, ZipError> {
+/// [`FmuError`].
+pub fn fmu(model: &Model, library: &[u8]) -> Result<Export<Vec<u8>>, FmuError> {
+    refuse_linear(model)?;
     let said = without_misreadings(model);
     let left_out = misreadings(model);
     let description = description(&said);
@@ -79,7 +91,7 @@ pub fn fmu(model: &Model, library: &[u8]) -> Result<Export<Vec<u8>>, ZipError> {
         (&binary, executable, library),
     ] {
         zip.start_file(name, options)?;
-        zip.write_all(content)?;
+        zip.write_all(content).map_err(ZipError::from)?;
     }
     Ok(Export { content: zip.finish()?.into_inner(), said, left_out })
 }

@@ -7,6 +7,7 @@ use dynamics::Model;
 use roxmltree::{Document, Node};
 
 use crate::joint::Joint;
+use crate::said::LinearAxis;
 use crate::xml::{attribute, si};
 
 /// What keeps a joint from being written to.
@@ -29,13 +30,16 @@ pub enum IntoMjcfError {
     /// A joint that no actuator can be given to.
     #[error("the joint has no name, which its detents need; give it one")]
     Nameless,
+    /// A model of what is pressed or slid.
+    #[error(transparent)]
+    Linear(#[from] LinearAxis),
 }
 
 /// The file with `armature`, `damping` and `frictionloss` of a joint from a model, and with a passive `dcmotor` for each sinusoid
 /// of the angle. Without a `name`, the joint is the file's only one.
 ///
 /// # Errors
-/// [`IntoMjcfError`], one sentence on what is wrong with the file or the name.
+/// [`IntoMjcfError`], one sentence on what is wrong with the file, the name or the model.
 pub fn into_mjcf(file: &str, name: Option<&str>, model: &Model) -> Result<String, IntoMjcfError> {
     let document = Document::parse(file)?;
     let root = document.root_element();
@@ -43,7 +47,7 @@ pub fn into_mjcf(file: &str, name: Option<&str>, model: &Model) -> Result<String
         return Err(IntoMjcfError::NotMjcf(root.tag_name().name().to_owned()));
     }
     let found = find_joint(root, name)?;
-    let joint = Joint::of(model);
+    let joint = Joint::of(model)?;
     let mut edits = Vec::new();
     let values = [
         ("armature", joint.inertia),

@@ -4,13 +4,16 @@ use dynamics::Model;
 use serde_json::json;
 
 use crate::joint::Joint;
+use crate::said::LinearAxis;
 
 /// JSON whose `actuator` has the fields under their names, in SI units: `ImplicitActuatorCfg(**actuator, stiffness=0.0, …)`.
 ///
 /// `friction` is the torque that breaks the joint away, `dynamic_friction` that of sliding, each the mean of both directions.
-#[must_use]
-pub fn isaac_lab(model: &Model) -> String {
-    let joint = Joint::of(model);
+///
+/// # Errors
+/// [`LinearAxis`].
+pub fn isaac_lab(model: &Model) -> Result<String, LinearAxis> {
+    let joint = Joint::of(model)?;
     let si = |thousandths: f64| 1e-3 * thousandths;
     let fields = json!({
         "made_by": "haptic-camera",
@@ -21,5 +24,5 @@ pub fn isaac_lab(model: &Model) -> String {
             "viscous_friction": si(Joint::mean(joint.viscous)),
         },
     });
-    format!("{fields:#}\n")
+    Ok(format!("{fields:#}\n"))
 }

@@ -6,6 +6,8 @@ use dynamics::effects::{
 };
 use dynamics::{Bristles, Coupling, Model};
 
+use crate::said::{LinearAxis, refuse_linear};
+
 /// A torque of the angle, amplitude·sin(per_rad·θ + phase).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sine {
@@ -36,7 +38,8 @@ pub(crate) struct Joint {
 }
 
 impl Joint {
-    pub(crate) fn of(model: &Model) -> Self {
+    pub(crate) fn of(model: &Model) -> Result<Self, LinearAxis> {
+        refuse_linear(model)?;
         let mut joint = Self {
             inertia: model.inertia(),
             coupling: model.coupling(),
@@ -64,7 +67,7 @@ impl Joint {
             }
         }
         joint.static_mnm = [0, 1].map(|side| joint.static_mnm[side].max(joint.coulomb_mnm[side]));
-        joint
+        Ok(joint)
     }
 
     fn sine(&mut self, amplitude_mnm: f64, per_rad: f64, phase_rad: f64) {

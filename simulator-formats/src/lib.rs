@@ -13,6 +13,8 @@
 //! | a C header | [`c_header`] | every parameter, and that table |
 //! | SmartKnob's configuration | [`smartknob()`] | detents as springs, end stops |
 //!
+//! Models of what is pressed or slid have the table and the header; the other formats refuse them with [`LinearAxis`].
+//!
 //! [`into_mjcf`] goes the other way: it writes what was identified into a joint of somebody's own MJCF.
 
 mod firmware;
@@ -31,7 +33,7 @@ pub use firmware::c_header;
 pub use into_mjcf::{IntoMjcfError, into_mjcf};
 pub use isaac::isaac_lab;
 pub use mjcf::mjcf;
-pub use said::{Export, left_out_by_mnm, left_out_mnm};
+pub use said::{Export, LinearAxis, left_out_by_mnm, left_out_mnm};
 pub use smartknob::{ALL as SMARTKNOBS, SmartKnob, SmartKnobExport, smartknob};
 pub use torque_over_angle::{TableSpan, TabulationError, TorqueOverAngle};
 pub use urdf::urdf;

@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 use dynamics::Model;
 
 use crate::joint::{Joint, Sine, of_mjcf};
-use crate::said::{Export, left_out, said};
+use crate::said::{Export, LinearAxis, left_out, said};
 use crate::xml::{attribute, comment, si};
 
 /// Step of the simulation, s: a sample of most captures.
@@ -25,9 +25,11 @@ const TIMESTEP_S: f64 = 1e-4;
 const NEXT_TO_NOTHING: f64 = 1e-12;
 
 /// The model as a whole MJCF file: one knob on a hinge along z.
-#[must_use]
-pub fn mjcf(model: &Model) -> Export {
-    let joint = Joint::of(model);
+///
+/// # Errors
+/// [`LinearAxis`].
+pub fn mjcf(model: &Model) -> Result<Export, LinearAxis> {
+    let joint = Joint::of(model)?;
     let viscous = Joint::mean(joint.viscous);
     // Bristles bend alike in both directions; a constant torque beside them would bend them at rest.
     let mean_mnm = Joint::mean(joint.coulomb_mnm);
@@ -58,7 +60,7 @@ pub fn mjcf(model: &Model) -> Export {
     tendon(&joint, &mut text);
     actuators(&joint, &mut text);
     text.push_str("</mujoco>\n");
-    Export { content: text, said, left_out }
+    Ok(Export { content: text, said, left_out })
 }
 
 /// The hinge that is turned, and behind backlash or a soft shaft the one that friction and detents act on.

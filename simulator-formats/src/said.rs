@@ -16,6 +16,16 @@ pub struct Export<Content = String> {
     pub left_out: Vec<String>,
 }
 
+/// A model of what is pressed or slid, which is not written in a format for what turns.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the model '{0}' has a linear axis, and this format is for a rotary one; export its force over travel as .csv")]
+pub struct LinearAxis(String);
+
+/// Refuses a model of what is pressed or slid.
+pub(crate) fn refuse_linear(model: &Model) -> Result<(), LinearAxis> {
+    if model.axis.is_rotary() { Ok(()) } else { Err(LinearAxis(model.name.clone())) }
+}
+
 /// RMS of the torque that the format leaves out along a motion that begins at rest, mNm.
 ///
 /// What a sensor misreads is no part of the knob and does not count; at rest friction is whatever holds the knob, in both.

@@ -12,7 +12,8 @@ use dynamics::{Model, Motion};
 use serde::Serialize;
 
 use crate::firmware::stiffest_end_stop_mnm_rad;
-use crate::{TorqueOverAngle, left_out_by_mnm};
+use crate::said::refuse_linear;
+use crate::{LinearAxis, TorqueOverAngle, left_out_by_mnm};
 
 /// Volt per radian and unit of strength.
 const V_PER_RAD: f64 = 4.0;
@@ -159,8 +160,11 @@ pub struct SmartKnobExport {
 }
 
 /// A model as a configuration for a motor with that torque per volt, and the torque that it leaves out along a motion.
-#[must_use]
-pub fn smartknob(model: &Model, motor_mnm_per_v: f64, motions: &[Motion]) -> SmartKnobExport {
+///
+/// # Errors
+/// [`LinearAxis`].
+pub fn smartknob(model: &Model, motor_mnm_per_v: f64, motions: &[Motion]) -> Result<SmartKnobExport, LinearAxis> {
+    refuse_linear(model)?;
     let table = TorqueOverAngle::of(model, 1, None).ok().filter(|table| table.is_period);
     let rest = table.as_ref().and_then(|table| table.rest);
     let width_deg = rest.zip(table.as_ref()).map_or(WIDTH_DEG, |(_, table)| table.span_rad.to_degrees());
@@ -185,11 +189,11 @@ pub fn smartknob(model: &Model, motor_mnm_per_v: f64, motions: &[Motion]) -> Sma
     let mut turned = Turned { knob: &knob, position: at_zero };
     let said: Vec<f64> =
         motions.iter().map(|motion| motor_mnm_per_v * turned.volts_at(motion.angle_rad - first_rad)).collect();
-    SmartKnobExport {
+    Ok(SmartKnobExport {
         left_out: left_out(model, table.as_ref()),
         left_out_mnm: left_out_by_mnm(model, &said, motions),
         knob,
-    }
+    })
 }
 
 /// The first position between the end stops, counted from that at angle zero, and how many there are; none without stops.

@@ -5,16 +5,18 @@ use std::fmt::Write as _;
 use dynamics::Model;
 
 use crate::joint::{Joint, of_urdf};
-use crate::said::{Export, left_out, said};
+use crate::said::{Export, LinearAxis, left_out, said};
 use crate::xml::{attribute, comment, si};
 
 /// Largest torque and speed of the joint, which URDF wants beside a range: more than any hand's. N m, rad/s.
 const LARGEST: [f64; 2] = [10.0, 1000.0];
 
 /// The model as a whole URDF file: a base, and a knob on a joint along z.
-#[must_use]
-pub fn urdf(model: &Model) -> Export {
-    let joint = Joint::of(model);
+///
+/// # Errors
+/// [`LinearAxis`].
+pub fn urdf(model: &Model) -> Result<Export, LinearAxis> {
+    let joint = Joint::of(model)?;
     let (coulomb_mnm, viscous) = (Joint::mean(joint.coulomb_mnm), Joint::mean(joint.viscous));
     let said = said(model, &of_urdf(), [coulomb_mnm; 2], viscous);
     let left_out = left_out(model, &said, &joint);
@@ -48,5 +50,5 @@ pub fn urdf(model: &Model) -> Export {
         );
     }
     text.push_str("  </joint>\n</robot>\n");
-    Export { content: text, said, left_out }
+    Ok(Export { content: text, said, left_out })
 }

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test panics")]
 
 use dynamics::effects::{detent, friction, inertia, torque_offset};
-use dynamics::{Effect, Model, Motion};
-use simulator_formats::{into_mjcf, left_out_mnm, mjcf, urdf};
+use dynamics::{Axis, Effect, Model, Motion};
+use simulator_formats::{fmi, into_mjcf, isaac_lab, left_out_mnm, mjcf, smartknob, urdf};
 
 const ROBOT: &str = "<mujoco>\n  <worldbody>\n    <body name=\"cap\"><joint name='volume' damping='7'/><!-- kept --></body>\n  \
                      </worldbody>\n</mujoco>\n";
@@ -31,21 +31,21 @@ fn turning_at(velocity_rad_s: f64) -> Vec<Motion> {
 #[test]
 fn what_is_left_out_is_reported_as_torque() {
     let differs = knob([0.1, 0.3]);
-    let export = mjcf(&differs);
+    let export = mjcf(&differs).unwrap();
     // Half of the difference, times the speed; what the sensor misreads is no part of the knob.
     assert!((left_out_mnm(&differs, &export.said, &turning_at(2.0)) - 0.1 * 2.0).abs() < 1e-12);
-    assert!(left_out_mnm(&knob([0.2; 2]), &mjcf(&knob([0.2; 2])).said, &turning_at(2.0)) < 1e-12);
+    assert!(left_out_mnm(&knob([0.2; 2]), &mjcf(&knob([0.2; 2])).unwrap().said, &turning_at(2.0)) < 1e-12);
     assert!(export.left_out.iter().any(|words| words.contains("differs by direction")), "{:?}", export.left_out);
     // Of URDF the detents too, and Coulomb friction that differs by direction.
-    let lost = left_out_mnm(&knob([0.2; 2]), &urdf(&knob([0.2; 2])).said, &turning_at(2.0));
+    let lost = left_out_mnm(&knob([0.2; 2]), &urdf(&knob([0.2; 2])).unwrap().said, &turning_at(2.0));
     let expected = (0.5_f64.powi(2) + 0.5 * 1.5_f64.powi(2)).sqrt();
     assert!((lost - expected).abs() < 0.02, "{lost} is not {expected}");
 }
 
 #[test]
 fn names_end_neither_comments_nor_attributes() {
-    for text in [mjcf(&knob([0.1, 0.3])).content, urdf(&knob([0.1, 0.3])).content] {
-        roxmltree::Document::parse(&text).unwrap();
+    for export in [mjcf(&knob([0.1, 0.3])), urdf(&knob([0.1, 0.3]))] {
+        roxmltree::Document::parse(&export.unwrap().content).unwrap();
     }
 }
 
@@ -78,4 +78,20 @@ fn a_file_without_the_joint_is_refused_in_one_sentence() {
     }
     let nameless = ROBOT.replace("name='volume'", "");
     assert!(into_mjcf(&nameless, None, &model).unwrap_err().to_string().contains("give it one"));
+}
+
+#[test]
+fn a_model_of_what_is_pressed_is_refused_by_every_format_of_what_turns() {
+    let pressed = Model { axis: Axis::Linear, ..knob([0.1, 0.3]) };
+    let refusals = [
+        mjcf(&pressed).unwrap_err().to_string(),
+        urdf(&pressed).unwrap_err().to_string(),
+        isaac_lab(&pressed).unwrap_err().to_string(),
+        smartknob(&pressed, 10.0, &[]).unwrap_err().to_string(),
+        fmi::fmu(&pressed, b"library").unwrap_err().to_string(),
+        into_mjcf(ROBOT, None, &pressed).unwrap_err().to_string(),
+    ];
+    for refusal in refusals {
+        assert!(refusal.contains("has a linear axis") && refusal.ends_with("as .csv"), "{refusal}");
+    }
 }

@@ -48,7 +48,7 @@ fn reported_samples(output: &Output) -> u64 {
 /// Asserts that an archive has gaps, and that all of them are reported and are all that is missing.
 fn assert_gaps_are_reported(capture: &Capture, output: &Output) {
     assert!(!capture.gaps.is_empty());
-    let missing: u64 = capture.gaps.iter().map(|gap| gap.count).sum();
+    let missing = capture.lost_samples();
     assert_eq!(capture.len() as u64 + missing, reported_samples(output), "kept and missing are all there were");
     for gap in &capture.gaps {
         assert!(printed(output).contains(&gap.to_string()), "{gap} is not in {}", printed(output));
@@ -109,7 +109,7 @@ fn what_the_ring_cannot_hold_at_the_end_of_the_run_is_a_gap_that_is_reported() {
     let (capture, output) = ended(&bench, child, 3);
     assert_gaps_are_reported(&capture, &output);
     assert!(printed(&output).contains("were taken but not published"), "{}", printed(&output));
-    let missing: u64 = capture.gaps.iter().map(|gap| gap.count).sum();
+    let missing = capture.lost_samples();
     assert_eq!(
         capture.gaps.last().unwrap().last_missing_seq,
         reported_samples(&output) - 1,

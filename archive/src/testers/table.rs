@@ -1,5 +1,8 @@
 //! A table as text: what stands above its columns, their names, and its rows.
 
+use std::borrow::Cow;
+use std::cmp::Reverse;
+use std::collections::HashMap;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -7,6 +10,11 @@ use crate::error::ArchiveError;
 
 /// Most columns, and letters of each, that an error quotes.
 const QUOTED: (usize, usize) = (20, 40);
+
+/// Stands for blanks, however many, between cells.
+const BLANKS: u8 = b' ';
+/// Lines at a table's beginning that show how it is written.
+const LOOKED_AT: usize = 1000;
 
 /// The cells of a table.
 #[derive(Debug, Default)]
@@ -27,39 +35,70 @@ impl RawTable {
         foreign_files::open(path)
             .and_then(|mut file| file.read_to_end(&mut bytes))
             .map_err(|error| ArchiveError::file(path, error))?;
-        // Testers write units such as µm in whatever encoding their machine has.
-        let text = String::from_utf8_lossy(&bytes);
-        let text = text.trim_start_matches('\u{feff}');
-        let separator = foreign_files::separator(text.as_bytes());
+        Self::of(&foreign_files::decoded(&bytes)).map_err(|error| super::wrong(path, error.to_string()))
+    }
+
+    fn of(text: &str) -> Result<Self, csv::Error> {
+        let separator = separator(text);
+        let (text, delimiter) = match separator {
+            BLANKS => (Cow::Owned(text.lines().map(with_tabulators).collect()), b'\t'),
+            other => (Cow::Borrowed(text), other),
+        };
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
             .trim(csv::Trim::All)
-            .delimiter(separator)
+            .delimiter(delimiter)
             .from_reader(text.as_bytes());
-        let mut records = Vec::new();
+        let (mut records, mut comments) = (Vec::new(), Vec::new());
         for record in reader.records() {
-            let record = record.map_err(|error| super::wrong(path, error.to_string()))?;
-            if record.iter().any(|cell| !cell.is_empty()) && !record[0].starts_with('#') {
+            let record = record?;
+            if record[0].starts_with('#') {
+                comments.push((records.len(), record));
+            } else if record.iter().any(|cell| !cell.is_empty()) {
                 records.push(record);
             }
         }
         let mut table = Self { separator, ..Self::default() };
-        let first = records
-            .iter()
-            .position(|record| record.iter().filter(|cell| table.number(cell).is_some()).count() > 1)
-            .unwrap_or(records.len());
-        table.rows = records.split_off(first);
-        if records.last().is_some_and(|record| record.len() > 1 && !record.iter().any(|cell| cell.contains('=')))
-            && let Some(header) = records.pop()
-        {
-            table.header = header.iter().map(str::to_owned).collect();
-            while table.header.last().is_some_and(String::is_empty) {
-                table.header.pop();
-            }
-        }
+        let first = table.first_row(&records);
+        let mut rows = records.split_off(first);
+        // What stands below the rows is passed over.
+        while rows.pop_if(|record| table.numbers(record) == 0).is_some() {}
+        table.rows = rows;
+        let is_header =
+            |record: &mut csv::StringRecord| record.len() > 1 && !record.iter().any(|cell| cell.contains('='));
+        let header = records.pop_if(is_header).or_else(|| {
+            let cells = table.rows.first()?.len();
+            let above = comments.iter().rev().find(|(at, _)| *at <= first)?;
+            Some(uncommented(&above.1)).filter(|record| record.len() == cells)
+        });
+        table.header = header.iter().flatten().map(str::to_owned).collect();
+        while table.header.pop_if(|name| name.is_empty()).is_some() {}
         table.preamble = records;
         Ok(table)
+    }
+
+    /// The first of the rows: numbers stand in the same places of nearly all, and may be missing in some.
+    fn first_row(&self, records: &[csv::StringRecord]) -> usize {
+        let places = |record: &csv::StringRecord| -> Vec<bool> {
+            record.iter().map(|cell| self.number(cell).is_some()).collect()
+        };
+        let mut kinds: HashMap<Vec<bool>, usize> = HashMap::new();
+        for record in records.iter().take(LOOKED_AT).filter(|record| self.numbers(record) > 1) {
+            *kinds.entry(places(record)).or_default() += 1;
+        }
+        let Some((typical, _)) = kinds.into_iter().max_by_key(|(_, count)| *count) else { return records.len() };
+        let first = records.iter().position(|record| places(record) == typical).unwrap_or(records.len());
+        let is_row = |record: &&csv::StringRecord| {
+            let places = places(record);
+            places.len() == typical.len() && places.iter().zip(&typical).all(|(here, usual)| here <= usual)
+        };
+        first - records[..first].iter().rev().take_while(|record| self.numbers(record) > 1 && is_row(record)).count()
+    }
+
+    /// How many cells are numbers.
+    fn numbers(&self, record: &csv::StringRecord) -> usize {
+        record.iter().filter(|cell| self.number(cell).is_some()).count()
     }
 
     /// A number as the table writes it; `None` for what is none.
@@ -111,4 +150,44 @@ impl RawTable {
         let more = if self.header.len() > QUOTED.0 { " and more" } else { "" };
         format!("the columns {}{more}", shown.collect::<Vec<_>>().join(", "))
     }
+}
+
+/// What stands between the cells of a table: that with which the lines have the most numbers, and the fewest other cells beside them. Lines above
+/// the rows, which hold next to no numbers, do not decide.
+fn separator(text: &str) -> u8 {
+    let lines = text.lines().filter(|line| !line.starts_with('#')).take(LOOKED_AT);
+    let numbers_and_others = |separator: u8| {
+        let (mut numbers, mut others) = (0, 0);
+        for line in lines.clone() {
+            let line = if separator == BLANKS { Cow::Owned(with_tabulators(line)) } else { Cow::Borrowed(line) };
+            let cells = line.split(if separator == BLANKS { '\t' } else { char::from(separator) });
+            let cells = cells.map(|cell| cell.trim().trim_matches('"')).filter(|cell| !cell.is_empty());
+            let (of_line, all) = cells.fold((0, 0), |(numbers, all), cell| {
+                let is_number = foreign_files::with_point(cell, separator).parse::<f64>().is_ok_and(f64::is_finite);
+                (numbers + usize::from(is_number), all + 1)
+            });
+            if of_line > 1 {
+                (numbers, others) = (numbers + of_line, others + all - of_line);
+            }
+        }
+        (numbers, Reverse(others))
+    };
+    // Of equals the last: a comma beside tabulators or semicolons is a decimal comma.
+    let fits = [BLANKS, b',', b'\t', b';'].map(|separator| (numbers_and_others(separator), separator));
+    let best = fits.into_iter().max_by_key(|(fit, _)| *fit).filter(|((numbers, _), _)| *numbers > 0);
+    best.map_or(b',', |(_, separator)| separator)
+}
+
+/// A line with tabulators in place of blanks.
+fn with_tabulators(line: &str) -> String {
+    line.split_whitespace().collect::<Vec<_>>().join("\t") + "\n"
+}
+
+/// A comment's cells without its mark.
+fn uncommented(record: &csv::StringRecord) -> csv::StringRecord {
+    let cells = record
+        .iter()
+        .enumerate()
+        .map(|(index, cell)| if index == 0 { cell.trim_start_matches('#').trim() } else { cell });
+    cells.enumerate().filter(|(index, cell)| *index > 0 || !cell.is_empty()).map(|(_, cell)| cell).collect()
 }

@@ -113,7 +113,8 @@ impl EthercatRig {
         let waits_ticks = if settings.distributed_clocks { 1.0 } else { 0.0 };
         let description = RigDescription {
             torque_late_ticks: description.torque_late_ticks + waits_ticks,
-            device: Some(file.device.clone().unwrap_or_else(|| settings.interface.clone())),
+            // A scan knows the bus by this name too.
+            device: Some(settings.interface.clone()),
             calls: DeclaredCalls { names: vec!["sendto".to_owned()], per_tick: MOST_CALLS },
             codes: codes::all(),
             notes,

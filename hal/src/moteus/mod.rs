@@ -45,10 +45,12 @@ const USUAL_BAUD: u32 = 921_600;
 const TAGS: i8 = 16;
 /// Share of a period for which an answer is waited for: the rest is for the control step, and for a loop that begins late.
 const WAITED_SHARE: f64 = 0.6;
+/// How often a stop is sent.
+const STOPS: u32 = 3;
 /// Most looks for an answer: `OK` comes before it, and either may come in pieces.
 const MOST_LOOKS: u32 = 8;
 /// System calls of a tick at most: a command, and each look's wait and read; and the command that stops, at the end.
-const CALLS_PER_TICK: u32 = 2 + 2 * MOST_LOOKS;
+const CALLS_PER_TICK: u32 = 1 + STOPS + 2 * MOST_LOOKS;
 /// Typical round trips after which an answer is too late to be dated, unless that is less than this share of a period.
 const LATE_ROUND_TRIPS: u64 = 2;
 const DATED_SHARE: f64 = 0.125;
@@ -305,8 +307,11 @@ impl Apparatus for MoteusRig {
         if std::mem::take(&mut self.is_on) {
             let stop = self.address().stop();
             if let Some(link) = &mut self.link {
-                // Where it does not go out the watchdog does the same.
-                let _ = link.send(&stop);
+                // More than once: a serial port first sends the rest of the line before, and a frame may be lost. Where none goes out the
+                // watchdog does the same.
+                for _ in 0..STOPS {
+                    let _ = link.send(&stop);
+                }
             }
         }
     }

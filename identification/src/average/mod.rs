@@ -154,6 +154,12 @@ pub fn average(fits: &[Fit]) -> Option<Average> {
     mean.back_to_zero(common_angle_rad);
 
     let mut fit = most.clone();
+    // Another capture may show an effect that this one does not, such as detents or stick.
+    for effect in fits.iter().flat_map(Fit::effects) {
+        if fit.effects.iter().all(|known| known.kind().name != effect.kind().name) {
+            fit.effects.push(*effect);
+        }
+    }
     fit.parameters = Parameters(most.parameters.0.iter().map(|parameter| with_mean(parameter, &mean)).collect());
     sums(&mut fit, fits);
     fit.notes = notes(fits, agreement, &repeatability);

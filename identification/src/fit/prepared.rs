@@ -29,11 +29,12 @@ impl<'a> Prepared<'a> {
     pub(super) fn new(
         uniform: &'a Uniform,
         exact: Option<KnobMotion>,
-        band: Band,
+        mut band: Band,
         options: &FitOptions,
     ) -> Result<Self, FitError> {
         let calibration = options.calibration.as_ref();
-        let motion = exact.unwrap_or_else(|| KnobMotion::measured(uniform, &band, calibration, options.acceleration));
+        let motion =
+            exact.unwrap_or_else(|| KnobMotion::measured(uniform, &mut band, calibration, options.acceleration));
         let row_filter = RowFilter::new(uniform, &motion, &band);
         let torque_mnm = motion.alike(&uniform.torque_mnm, uniform.rate_hz);
         Self { band, motion, torque_mnm, row_filter }.checked()

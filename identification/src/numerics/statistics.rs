@@ -37,6 +37,13 @@ pub fn student_95(degrees_of_freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::INFINITY, |student| student.inverse_cdf(UPPER_95))
 }
 
+/// Smallest and largest value; infinite and the wrong way round where there are none.
+#[must_use]
+pub fn range<Value: Borrow<f64>>(values: impl IntoIterator<Item = Value>) -> [f64; 2] {
+    let widened = |[low, high]: [f64; 2], value: Value| [low.min(*value.borrow()), high.max(*value.borrow())];
+    values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], widened)
+}
+
 /// Probability that Student's t with `degrees_of_freedom` exceeds `score`; one where there are none.
 pub(crate) fn student_above(score: f64, degrees_of_freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(1.0, |student| student.sf(score))
@@ -91,17 +98,23 @@ pub fn half_width(value: f64, [low, high]: [f64; 2]) -> f64 {
 }
 
 /// Mean; 0 for no values.
-pub(crate) fn mean<V: Borrow<f64>>(values: impl IntoIterator<Item = V>) -> f64 {
+#[must_use]
+pub fn mean<V: Borrow<f64>>(values: impl IntoIterator<Item = V>) -> f64 {
     let (sum, count) = values.into_iter().fold((0.0, 0.0), |(sum, count), value| (sum + value.borrow(), count + 1.0));
     if count > 0.0 { sum / count } else { 0.0 }
 }
 
+/// Standard deviation, estimated with one degree of freedom less than there are values; not a number for a single one.
+#[must_use]
+pub fn standard_deviation(values: &[f64]) -> f64 {
+    let mean = mean(values);
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (squares / (values.len() as f64 - 1.0)).sqrt()
+}
+
 /// Mean, and its standard error as the values' scatter gives it.
 pub(crate) fn mean_and_error(values: &[f64]) -> (f64, f64) {
-    let count = values.len() as f64;
-    let mean = mean(values);
-    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count * (count - 1.0));
-    (mean, variance.sqrt())
+    (mean(values), standard_deviation(values) / (values.len() as f64).sqrt())
 }
 
 /// Mean in standard errors.

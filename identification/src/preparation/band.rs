@@ -70,6 +70,14 @@ impl Band {
         Self { edge_hz, torque_noise_mnm, clear_hz, angle_density }
     }
 
+    /// The band as far as the encoder alone shows the acceleration.
+    pub(crate) fn of_encoder(&self, uniform: &Uniform) -> Self {
+        let AngleSpectrum { sweep_hz, clear_hz, noise_density: angle_density } =
+            AngleSpectrum::of(&uniform.angle_rad, uniform.rate_hz);
+        let clear_hz = clear_hz.max(sweep_hz);
+        Self { edge_hz: self.edge_hz.min(clear_hz), clear_hz, angle_density, ..*self }
+    }
+
     /// The band widened for detents of a wavenumber (1/rad) that the knob crosses at a speed; `None` if it need not be.
     pub(crate) fn widened(&self, wavenumber: f64, speed_rad_s: f64, rate_hz: f64) -> Option<Self> {
         let needed_hz = (1.2 * wavenumber * speed_rad_s / TAU).min(WIDEST * rate_hz);

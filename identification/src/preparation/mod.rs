@@ -15,7 +15,7 @@ pub(crate) mod saturation;
 pub(crate) mod sensor_noise;
 pub(crate) mod spectrum;
 pub(crate) mod uniform;
-mod wrapped;
+pub(crate) mod wrapped;
 
 use std::borrow::Cow;
 

@@ -100,13 +100,17 @@ impl KnobMotion {
         Some(Self { accelerometer, ..Self::as_given(columns, 0.5 * rate_hz) })
     }
 
-    /// The motion as the sensors saw it, every cutoff chosen from the signals' own spectra.
+    /// The motion as the sensors saw it, every cutoff chosen from the signals' own spectra. Where the acceleration takes no part, the band becomes
+    /// that of the encoder.
     pub(crate) fn measured(
         uniform: &Uniform,
-        band: &Band,
+        band: &mut Band,
         calibration: Option<&Calibration>,
         acceleration_use: AccelerationUse,
     ) -> Self {
+        if acceleration_use != AccelerationUse::Best && uniform.acceleration_rad_s2.is_some() {
+            *band = band.of_encoder(uniform);
+        }
         let rate_hz = uniform.rate_hz;
         let cutoff_hz = (CUTOFF_PER_EDGE * band.edge_hz).min(0.3 * rate_hz);
         let angle = knob_angle_rad(&uniform.angle_rad, &uniform.torque_mnm, calibration);
@@ -122,6 +126,9 @@ impl KnobMotion {
             let (encoder, present) = (&uniform.angle_rad, &uniform.present);
             Sensors::of(&angle, encoder, acceleration, present, lag_s, rate_hz, cutoff_hz)
         });
+        if sensors.is_none() && may_take_part && uniform.acceleration_rad_s2.is_some() {
+            return Self::measured(uniform, band, calibration, AccelerationUse::Encoder);
+        }
         let (mut angle_density, mut accelerometer_density, mut equal_hz) = (band.angle_density, 0.0, f64::INFINITY);
         if let Some(sensors) = &sensors {
             smooth = smoother.filter(&blend(sensors));
@@ -204,10 +211,12 @@ impl KnobMotion {
 /// [`FitError`] for samples that are not a capture of a motion.
 pub fn knob_motion(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Result<Vec<Motion>, FitError> {
     samples.check()?;
+    let even_s = dynamics::even_times(samples.t_s);
+    let samples = &Samples { t_s: even_s.as_deref().unwrap_or(samples.t_s), ..*samples };
     let mut uniform = Uniform::of(samples, calibration);
     let exact = KnobMotion::exact(&mut uniform, calibration);
-    let band = Band::of(&uniform, exact.is_some(), calibration);
-    let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &band, calibration, AccelerationUse::Best));
+    let mut band = Band::of(&uniform, exact.is_some(), calibration);
+    let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &mut band, calibration, AccelerationUse::Best));
     // Where samples were lost, the grid has more points than the capture: each sample takes the nearest point.
     let mut point = 0;
     let nearest = samples.t_s.iter().map(|&time_s| {

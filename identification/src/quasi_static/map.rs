@@ -1,12 +1,16 @@
 //! A capture as a map of torque over angle: the passes in either direction.
 
+use std::ops::Range;
+
 use dynamics::Calibration;
 
-use crate::numerics::statistics::noise_deviation;
+use crate::numerics::statistics::{median, noise_deviation};
 use crate::numerics::vector::{extent, smallest_step};
 use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::motion::KnobMotion;
+use crate::preparation::outliers::without_outliers;
 use crate::preparation::saturation::Saturation;
+use crate::preparation::wrapped::unwrapped;
 use crate::samples::{FEWEST_SAMPLES, Samples};
 
 /// Fewest rows of a direction from which its friction is told.
@@ -17,6 +21,10 @@ const REVERSAL: f64 = 10.0;
 const LEAST_TRAVEL: f64 = 20.0;
 /// Mean speed of the passes above which a knob's inertia and viscous friction are no longer negligible, rad/s.
 const FASTEST_RAD_S: f64 = 0.5;
+/// A stay of more than so many times the usual length is a rest …
+const REST: f64 = 10.0;
+/// … if it is at least this share of the capture.
+const SHORTEST_REST: f64 = 0.02;
 /// The travel is divided into this many cells …
 const CELLS: usize = 50;
 /// … of which this share must have been visited: a jump from one angle to another is no map.
@@ -32,6 +40,8 @@ pub(crate) struct Map {
     /// Direction of each row, +1 or −1.
     pub(super) directions: Vec<i8>,
     saturation: Saturation,
+    /// What was done to the angle, a sentence each.
+    cleaned: Vec<String>,
     is_curve: bool,
 }
 
@@ -39,6 +49,10 @@ impl Map {
     /// The map of checked samples, corrected by the rig's calibration; `None` if the knob did not pass slowly through its travel. A curve has no
     /// duration, so that it is never too fast.
     pub(crate) fn of(samples: &Samples<'_>, known: Option<&Calibration>, is_curve: bool) -> Option<Self> {
+        let (whole, wraps) = unwrapped(samples.angle_rad).unzip();
+        let (angle_rad, of_angle) = without_outliers(whole.as_deref().unwrap_or(samples.angle_rad), "angle").unzip();
+        let angle_rad = angle_rad.as_deref().or(whole.as_deref()).unwrap_or(samples.angle_rad);
+        let samples = &Samples { angle_rad, ..*samples };
         let saturation = Saturation::of(samples.torque_mnm);
         let step = smallest_step(samples.angle_rad);
         let duration_s = if is_curve { f64::INFINITY } else { samples.t_s.last()? - samples.t_s.first()? };
@@ -59,7 +73,8 @@ impl Map {
         let rate_hz = (index.len() - 1) as f64 / (time_s[index.len() - 1] - time_s[0]);
         let columns = [time_s, angle_rad, velocity_rad_s, vec![0.0; index.len()]];
         let motion = KnobMotion::as_given(columns, 0.5 * rate_hz);
-        Some(Self { motion, torque_mnm, directions, saturation, is_curve })
+        let cleaned = wraps.into_iter().chain(of_angle).collect();
+        Some(Self { motion, torque_mnm, directions, saturation, cleaned, is_curve })
     }
 
     /// The frictions of the directions that have enough rows.
@@ -95,6 +110,7 @@ impl Map {
             self.directions.chunk_by(|one, other| one == other).count()
         )];
         notes.extend(self.saturation.note("torque", "mNm"));
+        notes.extend_from_slice(&self.cleaned);
         notes
     }
 }
@@ -151,5 +167,24 @@ fn directions(angle_rad: &[f64], duration_s: f64, resolution_rad: f64) -> Option
         directions[index] = direction;
     }
     path += high.0 - low.0;
+    for rest in rests(angle_rad, reversal) {
+        directions[rest].fill(0);
+    }
     (path < FASTEST_RAD_S * duration_s).then_some(directions)
+}
+
+/// Where the knob stays within a counted reversal for so much longer than it does otherwise that it rests, with a torque that says nothing of
+/// friction: in a pause, or after the last pass.
+fn rests(angle_rad: &[f64], reversal_rad: f64) -> Vec<Range<usize>> {
+    let mut stays: Vec<Range<usize>> = Vec::new();
+    let mut start = 0;
+    for index in 1..=angle_rad.len() {
+        if angle_rad.get(index).is_none_or(|angle| (angle - angle_rad[start]).abs() > reversal_rad) {
+            stays.push(start..index);
+            start = index;
+        }
+    }
+    let mut lengths: Vec<f64> = stays.iter().map(|stay| stay.len() as f64).collect();
+    let longest = (REST * median(&mut lengths)).max(SHORTEST_REST * angle_rad.len() as f64);
+    stays.into_iter().filter(|stay| stay.len() as f64 > longest).collect()
 }

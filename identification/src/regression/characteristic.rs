@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 
 use super::gram::{COLLINEAR, Correction};
 use super::least_squares::LeastSquares;
-use crate::numerics::statistics::{NORMAL_95, mean};
+use crate::numerics::statistics::{NORMAL_95, mean, range};
 use crate::numerics::vector::{self, dot};
 
 /// Numbers of points that are tried.
@@ -120,9 +120,7 @@ impl Places {
     /// The density of a spline's points for samples of angle and torque: half of it is constant, half proportional to the root of the second
     /// derivative (C. de Boor, A Practical Guide to Splines, 1978, chapter XII). `None` where the angle does not change.
     pub(crate) fn of(samples: &(impl Iterator<Item = (f64, f64)> + Clone)) -> Option<Self> {
-        let angles = || samples.clone().map(|(angle_rad, _)| angle_rad);
-        let (lowest_rad, highest_rad) =
-            (angles().fold(f64::INFINITY, f64::min), angles().fold(f64::NEG_INFINITY, f64::max));
+        let [lowest_rad, highest_rad] = range(samples.clone().map(|(angle_rad, _)| angle_rad));
         let cell_rad = (highest_rad - lowest_rad) / CELLS as f64;
         if !(cell_rad > 0.0 && cell_rad.is_finite()) {
             return None;

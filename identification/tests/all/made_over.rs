@@ -121,6 +121,22 @@ fn jitter_that_the_times_tell_does_not_flatten_detents() {
 }
 
 #[test]
+fn times_that_were_rounded_are_those_of_an_even_clock() {
+    for (rate_hz, unit_s) in [(700.0, 1e-3), (860.0, 1e-3), (960.0, 1e-3), (7000.0, 1e-4)] {
+        let even_s: Vec<f64> = (0..(10.0 * rate_hz) as usize).map(|index| real(index) / rate_hz).collect();
+        let [angle, mut torque] = with_detents(&even_s);
+        let mut random = Uniform(5);
+        torque.iter_mut().for_each(|torque| *torque += 0.05 * random.normal());
+        let rounded_s = even_s.iter().map(|time| (time / unit_s).round() * unit_s).collect();
+        let [rounded, even] = [rounded_s, even_s].map(|t_s| fitted(&[t_s, angle.clone(), torque.clone()]));
+        for name in ["inertia", "coulomb_positive", "detent_amplitude"] {
+            let [found, expected] = [&rounded, &even].map(|fit| fit.parameters.get(name).unwrap().value.unwrap());
+            assert!((found / expected - 1.0).abs() < 1e-3, "{rate_hz} Hz: {name} {found} for {expected}");
+        }
+    }
+}
+
+#[test]
 fn a_low_pass_in_the_torque_is_part_of_the_interval_of_detents() {
     const LAG_S: f64 = 1.3e-3;
     const STEPS: usize = 20;
@@ -170,18 +186,24 @@ fn a_delay_that_a_damper_hides_is_part_of_the_interval_of_the_inertia() {
 }
 
 #[test]
-fn outliers_to_one_side_are_replaced_and_counted() {
+fn outliers_are_replaced_and_counted() {
     let t_s: Vec<f64> = (0..10_000).map(|index| real(index) * 1e-3).collect();
     let mut random = Uniform(3);
-    let [angle, mut torque] = with_detents(&t_s);
+    let [mut angle, mut torque] = with_detents(&t_s);
     torque.iter_mut().for_each(|torque| *torque += 0.05 * random.normal());
+    // To one side, so that they do not cancel.
     torque.iter_mut().skip(250).step_by(500).for_each(|torque| *torque += 40.0);
+    angle.iter_mut().skip(100).step_by(1000).for_each(|angle| *angle += 0.3);
     let fit = fitted(&[t_s, angle, torque]);
     for name in ["coulomb_negative", "coulomb_positive"] {
         let [low, high] = interval(&fit, name);
         assert!(low > 2.9 && high < 3.1, "{name}: {low} to {high}");
     }
-    assert!(fit.notes.iter().any(|note| note.contains("stand out from all around them: 20;")), "{:?}", fit.notes);
+    for outliers in
+        ["the torque that stand out from all around them: 20;", "the angle that stand out from all around them: 10;"]
+    {
+        assert!(fit.notes.iter().any(|note| note.contains(outliers)), "{:?}", fit.notes);
+    }
 }
 
 /// A knob of 0.2 mNm s²/rad, 4 mNm and 0.05 mNm s/rad under two slow tones, through an encoder of so many steps a turn.

@@ -11,6 +11,7 @@ use dynamics::Calibration;
 use identification::calibration::{self, Calibrated, CoggingEstimate};
 use loaded_capture::CALIBRATION_MARK;
 use rt_loop::request::{Pace, RunRequest};
+use shared_types::RunDescription;
 
 use crate::command_line::RigOptions;
 use crate::outcome::{Outcome, say};
@@ -28,7 +29,7 @@ pub struct CalibrateOptions {
     #[arg(value_enum, value_name = "WHAT")]
     pub what: CalibrationKind,
     /// Captures to calibrate from; without any the rig is turned, with nothing on the gripper
-    #[arg(value_name = "CAPTURE")]
+    #[arg(value_name = "CAPTURE", conflicts_with_all = ["offline", "captures_in"])]
     pub captures: Vec<PathBuf>,
     /// Write the calibration here; may be the file given as --calibration
     #[arg(long, value_name = "CALIBRATION.toml")]
@@ -52,12 +53,16 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     } else {
         (options.captures.clone(), Outcome::Done)
     };
-    let (what, mut found) = (options.what, Vec::new());
+    let (what, mut found, mut is_of_motor) = (options.what, Vec::new(), false);
     for path in &captures {
         let loaded = load::load(path)?;
-        let base = known.clone().or_else(|| loaded.calibration.clone()).with_context(|| {
+        // A file holds the rig's own calibration; a capture that of its torque.
+        is_of_motor = loaded.capture.description.as_ref().is_some_and(RunDescription::has_motors_torque);
+        let of_rig = |known: &Calibration| if is_of_motor { known.without_rotor() } else { known.clone() };
+        let own = known.clone().or_else(|| loaded.calibration.as_ref().map(of_rig)).with_context(|| {
             format!("{} has no calibration of its rig; give one with --calibration PREVIOUS.toml", path.display())
         })?;
+        let base = if is_of_motor { own.with_rotor() } else { own.clone() };
         let of_angle = matches!(what, CalibrationKind::Gravity | CalibrationKind::Cogging);
         anyhow::ensure!(
             base.axis.is_rotary() || !of_angle,
@@ -67,11 +72,15 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
         );
         let useless = || format!("{} does not calibrate the {}", path.display(), what.subject());
         found.push(what.calibrate(&loaded, &base).with_context(useless)?);
-        known.get_or_insert(base);
+        known.get_or_insert(own);
     }
-    let (Some(known), Some(calibrated)) = (known, calibration::combine(&found)) else {
+    let (Some(known), Some(mut calibrated)) = (known, calibration::combine(&found)) else {
         anyhow::bail!("there is no capture to calibrate from");
     };
+    if is_of_motor && let Some(gripper) = calibrated.estimates.iter_mut().find(|one| one.quantity == "gripper_inertia")
+    {
+        gripper.value = (gripper.value - known.motor_inertia).max(0.0);
+    }
     let mut lines = Vec::new();
     if !calibrated.estimates.is_empty() {
         lines.push(table(&known, &calibrated).to_string());

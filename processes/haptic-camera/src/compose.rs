@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
+use anyhow::anyhow;
 use archive::whole_file::Replace;
 use clap::Args;
 use comfy_table::Table;
-use dynamics::{Composition, CompositionError, Model, ModelError, Parts, Role, Source, composition_notes};
+use dynamics::{Composition, Model, ModelError, Parts, Role, Source, composition_notes};
 
 use crate::outcome::{UsageError, remark, say};
 use crate::outputs::{kind, write};
@@ -90,13 +91,13 @@ fn halves(halves: Option<(&str, &str)>) -> Option<(String, String)> {
 /// Composes a model and writes it; parts and values that do not fit are a [`UsageError`].
 pub fn run(options: &ComposeOptions) -> anyhow::Result<()> {
     let (parts, values) = sources(options)?;
-    let composed = || {
-        let mut composition = parts.composition()?;
-        values.iter().try_for_each(|(name, source)| composition.take_parameter(name, source))?;
-        options.set.iter().try_for_each(|(name, value)| composition.set(name, *value))?;
-        Ok(composition)
-    };
-    let composition: Composition = composed().map_err(|error: CompositionError| UsageError(error.into()))?;
+    let mut composition = parts.composition().map_err(|error| UsageError(error.into()))?;
+    let axis = composition.model("", "").axis;
+    let within = |name: &String| axis.name_within(name).unwrap_or_else(|| name.clone());
+    let taken = values.iter().try_for_each(|(name, source)| composition.take_parameter(&within(name), source));
+    taken
+        .and_then(|()| options.set.iter().try_for_each(|(name, value)| composition.set(&within(name), *value)))
+        .map_err(|error| UsageError(anyhow!("{}", axis.words(&error.to_string()))))?;
     let of_file = || options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let name = options.name.clone().unwrap_or_else(of_file);
     let model = composition.model(&name, &parts.description());

@@ -104,6 +104,7 @@ fn turn(
 ) -> Result<LoopStatus, ArchiveError> {
     let start = (ARMED_S * rate_hz) as u64;
     let mut made = LoopStatus { finished: 1, ..LoopStatus::default() };
+    let mut refused = None;
     for tick in 0.. {
         if tick == start {
             state.request(Request::Start);
@@ -112,8 +113,9 @@ fn turn(
             state.request(Request::Stop);
         }
         let measurement = apparatus.exchange((tick as f64 * 1e9 / rate_hz).round() as u64, 0.0);
+        let measurement = refused.take().map_or(measurement, Err);
         let output = state.step(&Reading { elapsed_ticks: 1, measurement });
-        let _ = apparatus.write_torque(output.torque_mnm);
+        refused = apparatus.write_torque(output.torque_mnm).err();
         if let Some(sample) = &output.sample {
             made.published_samples += 1;
             made.guarded_ticks += u64::from(sample.flags & Sample::GUARDED != 0);

@@ -5,14 +5,13 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use archive::Capture;
 use clap::Args;
-use dynamics::Axis;
 use hal::Measurement;
 use rt_loop::recomputation::{Recomputation, RecordedTick};
 use serde::Serialize;
 use shared_types::{LoopState, ModelChange, RunDescription, Sample};
 
-use crate::outcome::{Outcome, remark, show};
-use crate::outputs::write_json;
+use crate::outcome::{Outcome, remark};
+use crate::outputs::{show_on, write_json};
 
 #[derive(Debug, Args)]
 pub struct RecomputeOptions {
@@ -62,8 +61,8 @@ pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
         remark(format!("the replay was made by version {version}, which may compute differently"));
     }
     let recomputed = recompute(&capture, description)?;
-    show(lines(&recomputed, description.rate_hz));
-    write_json(Axis::default(), &options.json, &recomputed)?;
+    show_on(capture.axis, lines(&recomputed, description.rate_hz));
+    write_json(capture.axis, &options.json, &recomputed)?;
     Ok(match (recomputed.equal, recomputed.missing_from_sample) {
         (false, _) => Outcome::Failed,
         (true, Some(_)) => Outcome::DataLost,
@@ -74,6 +73,7 @@ pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
 /// Feeds what was recorded through the control step.
 fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomputed> {
     let lacks = |column: &str| {
+        let column = capture.axis.words(column);
         format!("the archive's samples have no {column}, which the control step needs; record the replay again")
     };
     let commanded_mnm = capture.commanded_torque_mnm.as_ref().with_context(|| lacks("commanded_torque_mnm"))?;

@@ -47,11 +47,16 @@ pub fn run(options: &SimulateOptions) -> anyhow::Result<()> {
     say(model.axis.words(&differs));
     if let Some(out) = &options.out {
         if options.writes_table() {
-            capture.write_csv(out)?;
+            if let Some(calibration) = capture.write_csv(out)? {
+                say(format!(
+                    "{}: the gripper that turns with the knob, which `fit` reads along with the table",
+                    calibration.display()
+                ));
+            }
         } else {
             whole_file::write_whole(out, kind::SIMULATION, |place| capture.write_mcap_to(place))?;
         }
-        say(format!("{}: {} samples", out.display(), capture.len()));
+        say(format!("{}: {} samples", out.display(), capture.capture.len()));
     }
     Ok(())
 }

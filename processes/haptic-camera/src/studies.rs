@@ -19,8 +19,8 @@ pub struct StudyOptions {
     /// Captures or testers' files
     #[arg(required_unless_present = "values", value_name = "CAPTURE")]
     pub captures: Vec<PathBuf>,
-    /// A table of values instead of captures, with the columns part, operator (numbers) and value; needs --figure
-    #[arg(long, value_name = "FILE.csv", conflicts_with = "captures", requires = "figure")]
+    /// A table of values instead of captures, with the columns part, operator and value; needs --figure
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["captures", "columns"], requires = "figure")]
     pub values: Option<PathBuf>,
     /// The figure to study, such as collapse_force [default: those that the specification limits]
     #[arg(long, value_name = "NAME")]

@@ -1,5 +1,6 @@
 //! `trend`: how parameters change over a table's captures.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
@@ -35,9 +36,11 @@ const ENDS: [&str; 2] = ["_ci95_low", "_ci95_high"];
 type Point = (f64, [Option<f64>; 3]);
 
 pub fn run(options: &TrendOptions) -> anyhow::Result<()> {
-    let trend = read(&options.table, &options.by)?;
+    let (axis, trend) = read(&options.table, &options.by)?;
     let lines = trend.groups.iter().map(|group| words(&options.by, group));
-    options.results.tell(Axis::default(), lines, &trend, || report::trend_page(&trend))
+    // Lines and JSON have the table's own names and units.
+    let page = || axis.words(&report::trend_page(&trend)).into_owned();
+    options.results.tell(Axis::default(), lines, &trend, page)
 }
 
 fn words(by: &str, group: &TrendGroup) -> String {
@@ -50,7 +53,8 @@ fn words(by: &str, group: &TrendGroup) -> String {
     format!("{by} {}: {captures} captures; {drift}{verdicts}", group.name)
 }
 
-fn read(table: &Path, by: &str) -> anyhow::Result<Trend> {
+/// The trend, and the axis of what was captured.
+fn read(table: &Path, by: &str) -> anyhow::Result<(Axis, Trend)> {
     let foreign = || format!("{} is not a table of captures; make one with `haptic-camera table`", table.display());
     let file = foreign_files::open(table).with_context(foreign)?;
     let rows = SerializedFileReader::new(file).with_context(foreign)?;
@@ -62,6 +66,9 @@ fn read(table: &Path, by: &str) -> anyhow::Result<Trend> {
     let metadata = about.key_value_metadata().into_iter().flatten();
     let units: HashMap<&str, &str> =
         metadata.filter_map(|pair| Some((pair.key.strip_prefix("unit.")?, pair.value.as_deref()?))).collect();
+    // The unit of a load tells the axis; a table that somebody else wrote of rows has no units.
+    let is_linear = units.get("residual_rms_mnm") == Some(&Axis::Linear.load_unit());
+    let axis = if is_linear { Axis::Linear } else { Axis::Rotary };
     let mut trend = Trend {
         source: table.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         by: by.to_owned(),
@@ -107,13 +114,14 @@ fn read(table: &Path, by: &str) -> anyhow::Result<Trend> {
     };
     let parameter = |(name, points): (&&String, &Vec<Point>)| {
         let points: Vec<TrendPoint> = points.iter().filter_map(point).collect();
-        let unit = units.get(name.as_str()).copied().or_else(|| Row::unit_of(name, None)).unwrap_or_default();
-        (!points.is_empty()).then(|| TrendParameter::of(name, unit, points))
+        let unit = units.get(name.as_str()).map(|unit| Cow::Borrowed(*unit));
+        let unit = unit.or_else(|| Row::unit_of(name, None, axis)).unwrap_or_default();
+        (!points.is_empty()).then(|| TrendParameter::of(name, &unit, points))
     };
     for (name, columns) in &groups {
         let parameters = parameters.iter().zip(columns).filter_map(parameter).collect();
         let verdicts = verdicts.remove(name).unwrap_or_default();
         trend.groups.push(TrendGroup { parameters, verdicts, name: name.clone() });
     }
-    Ok(trend)
+    Ok((axis, trend))
 }

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, anyhow, bail};
 use clap::Args;
 use dynamics::{Composition, CompositionError, Model, ParameterKind, Source, knobs};
 use shared_types::services::{self, ModelClient, RigNode};
@@ -31,7 +31,8 @@ pub fn run(options: &TuneOptions) -> anyhow::Result<()> {
     let mut present = link.present()?;
     if options.model.is_none() && options.settings.is_empty() {
         say(&present.model.name);
-        present.model.parameters().for_each(|(parameter, value)| say(line(parameter, value)));
+        let axis = present.model.axis;
+        present.model.parameters().for_each(|(parameter, value)| say(axis.words(&line(parameter, value))));
         return Ok(());
     }
     for _ in 0..OVERTAKEN {
@@ -39,7 +40,8 @@ pub fn run(options: &TuneOptions) -> anyhow::Result<()> {
             Some(name) => knobs::named(name).context("nothing was changed")?,
             None => present.model.clone(),
         };
-        apply(&options.settings, &mut wanted)?;
+        let axis = wanted.axis;
+        apply(&options.settings, &mut wanted).map_err(|error| anyhow!("{}", axis.words(&error.to_string())))?;
         let remarks = match link.send(&wanted, &present)? {
             Ok(remarks) => remarks,
             // It was taken, and the answer lost.
@@ -171,7 +173,7 @@ fn apply(settings: &[(String, f64)], model: &mut Model) -> Result<(), Compositio
         composition.take_effect(effect.kind().name, &present)?;
     }
     for (name, value) in settings {
-        composition.set(name, *value)?;
+        composition.set(&model.axis.name_within(name).unwrap_or_else(|| name.clone()), *value)?;
     }
     let changed = composition.model("", "");
     for effect in &mut model.effects {
@@ -200,7 +202,8 @@ fn changes(old: &Model, new: &Model) -> Vec<String> {
         let (before, after) = (old.parameter(parameter.name), new.parameter(parameter.name));
         if before != after {
             let value = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| value.to_string());
-            lines.push(format!("  {:<22} {} → {} {}", parameter.name, value(before), value(after), parameter.unit));
+            let line = format!("  {:<22} {} → {} {}", parameter.name, value(before), value(after), parameter.unit);
+            lines.push(new.axis.words(&line).into_owned());
         }
     }
     if lines.is_empty() {
@@ -214,7 +217,7 @@ fn changes(old: &Model, new: &Model) -> Vec<String> {
 mod tests {
     use dynamics::knobs;
 
-    use super::changes;
+    use super::{apply, changes};
 
     #[test]
     fn a_change_is_listed_from_old_to_new_and_what_stays_is_not() {
@@ -229,5 +232,14 @@ mod tests {
             listed[1..].iter().all(|line| line.contains("→ –")) && listed.len() == 1 + gone.values().len(),
             "{listed:?}"
         );
+    }
+
+    #[test]
+    fn a_parameter_of_a_pressed_control_is_set_by_the_name_in_its_file_and_listed_in_its_units() {
+        let old = knobs::dome().unwrap();
+        let mut new = old.clone();
+        apply(&[("bottom_travel".to_owned(), 3.0)], &mut new).unwrap();
+        let listed = changes(&old, &new).join("\n");
+        assert!(listed.starts_with("  bottom_travel ") && listed.ends_with("→ 3 mm"), "{listed}");
     }
 }

@@ -263,9 +263,7 @@ fn count(status: &mut LoopStatus, sample: &Sample) {
     status.published_samples += 1;
     status.guarded_ticks += u64::from(sample.flags & Sample::GUARDED != 0);
     (status.torque_mnm, status.flags) = (sample.torque_mnm, sample.flags);
-    // After a stall the loop is late by this much for the first tick that it missed.
-    let stall_ns = u64::from(sample.missed_ticks) * (1e9 / status.rate_hz) as u64;
-    let lateness_ns = sample.lateness_ns + stall_ns;
+    let lateness_ns = sample.whole_lateness_ns(status.rate_hz);
     status.max_lateness_ns = status.max_lateness_ns.max(lateness_ns);
     status.lateness_counts[LoopStatus::lateness_bin(lateness_ns)] += 1;
 }

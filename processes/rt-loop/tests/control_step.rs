@@ -276,6 +276,35 @@ fn the_torque_comes_down_without_a_step_at_every_stop() {
 }
 
 #[test]
+fn a_run_that_commands_a_torque_ends_without_feedback_and_within_the_limits() {
+    let mut plan = plan(1_000);
+    plan.excitation = Excitation::named("linear-chirp", Drive::Torque).unwrap();
+    let at_speed = |speed_rad_s: f64| {
+        let mut control = ControlState::new(plan, &calibration()).unwrap();
+        control.arm();
+        let (mut angle_rad, mut torques_mnm) = (0.0, Vec::new());
+        let mut turn = |control: &mut ControlState, speed_rad_s: f64| {
+            angle_rad += speed_rad_s / RATE_HZ;
+            let measurement = Ok(Measurement { angle_rad, ..Measurement::default() });
+            control.step(&Reading { elapsed_ticks: 1, measurement }).torque_mnm
+        };
+        turn(&mut control, 5.0);
+        assert!(control.request(Request::Start));
+        while control.state() == LoopState::Running {
+            torques_mnm.push(turn(&mut control, 5.0));
+        }
+        let last_mnm = torques_mnm.last().unwrap().abs();
+        while control.state() == LoopState::Stopping {
+            let torque_mnm = turn(&mut control, speed_rad_s).abs();
+            assert!(torque_mnm <= last_mnm, "{torque_mnm} of {last_mnm} mNm");
+        }
+        control.fault()
+    };
+    assert_eq!(at_speed(5.0), None);
+    assert_eq!(at_speed(70.0), Some(Fault::Speed));
+}
+
+#[test]
 fn commands_beyond_the_motor_are_clipped_and_marked() {
     let mut rotor = Rotor::running();
     let behind = Measurement { angle_rad: rotor.angle_rad - 0.1, ..Measurement::default() };

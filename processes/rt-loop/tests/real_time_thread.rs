@@ -126,6 +126,46 @@ fn a_capture_touches_neither_heap_nor_kernel_but_for_its_sleep() {
     assert!(made(calls).is_none_or(|calls| calls.is_empty() || panic!("{calls}")));
 }
 
+/// A rig whose amplifier takes no torque from some tick on, though its sensors can be read.
+struct Refusing {
+    rig: Box<dyn Apparatus>,
+    writes_left: u32,
+}
+
+impl Apparatus for Refusing {
+    fn description(&self) -> &RigDescription {
+        self.rig.description()
+    }
+    fn enable(&mut self) -> Result<(), ApparatusError> {
+        self.rig.enable()
+    }
+    fn disable(&mut self) {
+        self.rig.disable();
+    }
+    fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
+        self.rig.exchange(due_ns, torque_mnm)
+    }
+    fn write_torque(&mut self, torque_mnm: f64) -> Result<(), ApparatusError> {
+        self.writes_left = self.writes_left.saturating_sub(1);
+        if self.writes_left == 0 { Err(ApparatusError::Device(-7)) } else { self.rig.write_torque(torque_mnm) }
+    }
+}
+
+#[test]
+fn a_torque_that_the_rig_refuses_ends_the_run() {
+    let plan = Plan::new(&Options::try_parse_from(["rt-loop", "--knob=3"]).unwrap().into()).unwrap();
+    let control = ControlState::new(plan.control, &plan.rig.calibration).unwrap();
+    let rig = Refusing { rig: plan.apparatus, writes_left: 1_000 };
+    let (mut tick_loop, port) = TickLoop::new(Box::new(rig), control, plan.control.rate_hz);
+    let thread = std::thread::spawn(move || tick_loop.run());
+    while port.shared.state() != LoopState::Fault {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    port.shared.quit();
+    thread.join().unwrap().unwrap();
+    assert_eq!(port.shared.device_code(), -7);
+}
+
 #[test]
 fn nor_does_a_rendering_whose_model_changes_on_the_way() {
     let mut runs = (0..ATTEMPTS).map(|_| {

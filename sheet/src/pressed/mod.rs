@@ -11,7 +11,7 @@ pub(crate) use stroke::Stroke;
 use std::collections::BTreeMap;
 
 use archive::testers::Curve;
-use identification::statistics::{NORMAL_95, rms};
+use identification::statistics::{NORMAL_95, range, rms};
 
 use crate::branch::Branch;
 use crate::figure::{Estimate, FigureKind};
@@ -40,10 +40,7 @@ pub(crate) struct Pressed {
 /// # Errors
 /// [`CurveError::NoPress`] where there is next to no travel to press over, [`CurveError::TooFar`] for more than any control has.
 pub(crate) fn read(curve: &Curve) -> Result<Vec<Pressed>, CurveError> {
-    let (low, high) = curve
-        .position
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), position| (low.min(*position), high.max(*position)));
+    let [low, high] = range(&curve.position);
     if high - low > LONGEST_MM {
         return Err(CurveError::TooFar { travel_mm: high - low });
     }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use archive::testers::Curve;
+use identification::statistics::range;
 use shared_types::Axis;
 
 use super::contact::Change;
@@ -42,7 +43,7 @@ impl Stroke {
 
     fn of(curve: &Curve, rows: Range<usize>) -> Self {
         let travel = &curve.position[rows.clone()];
-        let deepest = travel.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let [_, deepest] = range(travel);
         let turn = rows.start + travel.iter().position(|travel| *travel >= deepest).unwrap_or_default();
         let branch = |rows: Range<usize>| {
             let loads = curve.load[rows.clone()].iter().copied();
@@ -62,8 +63,7 @@ impl Stroke {
 
 /// The rows of each press with its return, which reach from where the travel is least to where it is least again.
 fn presses(travel: &[f64]) -> Vec<Range<usize>> {
-    let (low, high) =
-        travel.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(*at), high.max(*at)));
+    let [low, high] = range(travel);
     let swing = TURNED * (high - low);
     let mut found: Vec<(Range<usize>, f64)> = Vec::new();
     let (mut start, mut least, mut most) = (0, 0, None::<usize>);

@@ -1,7 +1,7 @@
 //! Which way a turned control was going at every row, and how fast.
 
 use archive::testers::Curve;
-use identification::statistics::quantile;
+use identification::statistics::{quantile, range};
 
 use crate::repeats::CurveError;
 
@@ -56,9 +56,7 @@ fn trim_passes(directions: &mut [i8], slow: impl Fn(usize) -> bool) {
 }
 
 fn passes(angle_rad: &[f64]) -> Vec<i8> {
-    let (low, high) = angle_rad
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), angle| (low.min(*angle), high.max(*angle)));
+    let [low, high] = range(angle_rad);
     let reversal = REVERSAL * (high - low);
     let mut directions = vec![0_i8; angle_rad.len()];
     let Some(first) = angle_rad.first() else { return directions };

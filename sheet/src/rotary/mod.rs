@@ -13,6 +13,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use archive::testers::Curve;
 use identification::Samples;
 use identification::checks::{FreeTravel, count_detents, free_travel};
+use identification::statistics::mean;
 
 use crate::branch::Branch;
 use crate::figure::{Estimate, FigureKind};
@@ -295,16 +296,16 @@ impl Frame {
         }
         let of = |take: fn(&Detent) -> f64| look.detents.iter().map(|(_, detent)| take(detent)).collect::<Vec<f64>>();
         for (kind, take) in &PER_DETENT {
-            look.figures.insert(kind.name, mean(of(*take).into_iter()));
+            look.figures.insert(kind.name, mean(of(*take)));
         }
         let pitches = of(|detent| detent.pitch);
-        look.figures.insert(DETENT_COUNT.name, TAU / mean(pitches.iter().copied()));
+        look.figures.insert(DETENT_COUNT.name, TAU / mean(&pitches));
         look.figures.insert(UNIFORMITY_PITCH.name, uniformity(&pitches));
         look.figures.insert(UNIFORMITY_PEAK.name, uniformity(&of(|detent| detent.peak)));
         let [back, there] = &rests;
         let gaps: Vec<f64> = back.iter().zip(there).filter_map(|(back, there)| Some((*there)? - (*back)?)).collect();
         if !gaps.is_empty() {
-            look.figures.insert(DETENT_SHIFT.name, mean(gaps.into_iter()));
+            look.figures.insert(DETENT_SHIFT.name, mean(gaps));
         }
     }
 
@@ -331,13 +332,8 @@ impl Frame {
     }
 }
 
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-    sum / count
-}
-
 /// Largest departure from the mean, over the mean.
 fn uniformity(values: &[f64]) -> f64 {
-    let mean = mean(values.iter().copied());
+    let mean = mean(values);
     values.iter().map(|value| (value - mean).abs()).fold(0.0, f64::max) / mean.abs()
 }

@@ -159,7 +159,7 @@ impl Outcome {
         self.lost_samples = published - evidence.samples.len() as u64;
         let holes = evidence.holes();
         self.expect(holes.is_empty(), || format!("holes in the archive: {holes:?}"));
-        let reported: u64 = capture.gaps.iter().map(|gap| gap.count).sum();
+        let reported = capture.lost_samples();
         let lost = self.lost_samples;
         self.expect(reported == lost, || format!("{lost} samples are missing, {reported} are reported missing"));
         let in_order = evidence.samples.windows(2).all(|pair| pair[0].tick < pair[1].tick);

@@ -41,6 +41,24 @@ fn a_new_controller_is_checked_and_commissioned() {
 }
 
 #[test]
+fn a_calibration_counts_the_rotor_once() {
+    let bench = Bench::new().unwrap();
+    let _server = Server::start(&bench, &[]);
+    let file = rig(&bench, |text| text);
+    let line = |text: &str| text.lines().find(|line| line.starts_with("gripper_inertia")).unwrap().to_owned();
+    let number = |line: &str| -> f64 { line.split(['=', '#']).nth(1).unwrap().trim().parse().unwrap() };
+    let of_rig = number(&line(&std::fs::read_to_string(bench.path(&file)).unwrap()));
+    let calibrate =
+        ["calibrate", "zero", "--rig", &file, "--rate-hz", "500", "--out", "known.toml", "--captures-in", "captures"];
+    for again in [&[][..], &["--calibration", "known.toml"]] {
+        let output = bench.run(&[&calibrate[..], again].concat()).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+        let known = std::fs::read_to_string(bench.path("known.toml")).unwrap();
+        assert!((number(&line(&known)) - of_rig).abs() < 1e-12, "{known}");
+    }
+}
+
+#[test]
 fn what_an_owner_captured_can_be_replayed_where_there_is_a_torque_sensor() {
     let bench = Bench::new().unwrap();
     let _server = Server::start(&bench, &[]);

@@ -125,7 +125,7 @@ impl Picture {
                 let torque_mnm = model.torque_mnm(angle_rad, velocity_rad_s, acceleration_rad_s2 - not_motion);
                 self.signals.push_model_torque(time_ns, torque_mnm);
             }
-            self.signals.lateness.push(time_ns, (sample.lateness_ns.max(1) as f64).log10());
+            self.signals.lateness.push(time_ns, (sample.whole_lateness_ns(rate_hz).max(1) as f64).log10());
         }
     }
 

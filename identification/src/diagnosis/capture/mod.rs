@@ -37,7 +37,7 @@ pub(crate) const SLIDING: f64 = 0.9;
 const WIDEST: f64 = 0.1;
 /// Skew allowed between torque and motion, in samples.
 const SKEW_SAMPLES: f64 = 0.5;
-/// Length of the stretches into which a capture is divided if every other one is to be held out, s.
+/// Length of the stretches into which a capture is divided if half of them are to be held out, s.
 const STRETCH_S: f64 = 0.5;
 /// Stretches into which a map is divided.
 const MAP_STRETCHES: usize = 32;
@@ -49,9 +49,9 @@ const MAP_PER_TURN: f64 = 256.0;
 pub(crate) enum Stretches {
     /// All.
     All,
-    /// Every other one, beginning with the second.
+    /// Half of them, in which the second is.
     Odd,
-    /// Every other one, beginning with the first.
+    /// The other half.
     Even,
 }
 
@@ -59,11 +59,17 @@ impl Stretches {
     fn weight(self, stretch: usize) -> f64 {
         let kept = match self {
             Self::All => true,
-            Self::Odd => !stretch.is_multiple_of(2),
-            Self::Even => stretch.is_multiple_of(2),
+            Self::Odd => is_odd(stretch),
+            Self::Even => !is_odd(stretch),
         };
         f64::from(u8::from(kept))
     }
+}
+
+/// Whether a stretch is odd by the sequence of Thue and Morse: its two halves share out every period alike, whereas every other stretch of a
+/// motion that repeats with two of them would be the same half of the motion.
+fn is_odd(stretch: usize) -> bool {
+    stretch.count_ones() % 2 == 1
 }
 
 /// A capture ready for diagnosis.
@@ -119,7 +125,7 @@ impl Capture {
         uniform.time_s.iter_mut().for_each(|time_s| *time_s -= start_s);
         let rate_hz = uniform.rate_hz;
         let count = uniform.time_s.len();
-        // A line would not be one where every other stretch is left out.
+        // A line would not be one where stretches are left out.
         let kept = match stretches {
             Stretches::All => 0..count,
             Stretches::Odd => 0..count / 2,
@@ -127,13 +133,14 @@ impl Capture {
         };
         let exact = KnobMotion::exact(&mut uniform, calibration);
         let band = Band::of(&uniform, exact.is_some(), calibration);
-        let band = Band { edge_hz: edge_hz.min(WIDEST * rate_hz).min(band.clear_hz), ..band };
+        let mut band = Band { edge_hz: edge_hz.min(WIDEST * rate_hz).min(band.clear_hz), ..band };
         // An exact motion has no noise that would narrow the band.
         let mains = match exact {
             Some(_) => None,
             None => MainsSpectrum::of([&uniform.torque_mnm, &uniform.angle_rad], kept, rate_hz, band.edge_hz),
         };
-        let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &band, calibration, AccelerationUse::Best));
+        let motion =
+            exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &mut band, calibration, AccelerationUse::Best));
         let mut row_filter = RowFilter::new(&uniform, &motion, &band);
         let length = (STRETCH_S * rate_hz).round() as usize;
         row_filter

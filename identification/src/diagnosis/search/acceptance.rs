@@ -36,7 +36,7 @@ pub(crate) const LOWER_FLOOR: f64 = 0.8;
 /// Whether one more effect explains enough, and with enough certainty; `first` is the model without further effects.
 pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldout: &Capture) -> bool {
     let floor = after.heldout_floor_mnm;
-    let [gap, closed] = gap_and_closed(before, after);
+    let [_, closed] = gap_and_closed(before, after);
     let is_steady = after.steadily_better_than(before) > STEADY;
     // An end stop may act in a few stretches only; then the held-out capture, which was never fitted, must speak for it, and the other stretches
     // not against it.
@@ -46,15 +46,15 @@ pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldou
     let may_be_seldom =
         !(before.structure.is_coupled() && before.structure.sticks()) && after.heldout_over_floor() < MOSTLY_NOISE;
     let predicts = after.heldout_over_floor() < MOSTLY_NOISE || after.heldout_p_value(before) < CHANCE;
-    // A residual below the floor has no share that one could take away.
-    let takes_enough = gap > 0.0 && explains_enough(before, after) && closed > SMALLEST * floor * floor;
+    let takes_enough = explains_enough(before, after) && closed > SMALLEST * floor * floor;
     // Near the floor, the floor's uncertainty exceeds the gap, but the gain of a first effect in stretch after stretch does not depend on the floor.
     // A later effect could imitate what the first one leaves, and an effect that is fitted to each capture predicts nothing.
     let is_first = before.structure.effects.iter().all(|effect| first.structure.position(effect.kind().name).is_some());
     let speaks_for_itself = is_first
         && is_near_the_floor(before)
         && !after.newest_is_per_capture()
-        && closes(0.0, before, after)
+        && brings_evidence(before, after)
+        && closed > 0.0
         && predicts_better(before, after);
     predicts
         && (takes_enough && (is_steady || may_be_seldom && unseen > EVIDENCE) || speaks_for_itself && is_steady)
@@ -81,10 +81,14 @@ fn predicts_better(before: &Judged, after: &Judged) -> bool {
     after.heldout_rms_mnm < before.heldout_rms_mnm
 }
 
-/// Whether one more effect brings evidence and takes away more than a share of the mean square above the floor.
+fn brings_evidence(before: &Judged, after: &Judged) -> bool {
+    after.evidence - before.evidence > EVIDENCE
+}
+
+/// Whether one more effect brings evidence and takes away more than a share of the mean square above the floor; below the floor there is none.
 fn closes(share: f64, before: &Judged, after: &Judged) -> bool {
     let [gap, closed] = gap_and_closed(before, after);
-    after.evidence - before.evidence > EVIDENCE && closed > share * gap
+    brings_evidence(before, after) && gap > 0.0 && closed > share * gap
 }
 
 /// Whether one more effect leaves next to nothing for any other, even if it stands on a bound and is not added.
@@ -127,7 +131,7 @@ pub(crate) fn takes_its_part(before: &Judged, after: &Judged) -> bool {
     let takes = |before: f64, after: f64, floor: f64| {
         before * before - after * after > DISCOVERED * (before * before - floor * floor)
     };
-    after.evidence - before.evidence > EVIDENCE
+    brings_evidence(before, after)
         && takes(before.train_rms_mnm, after.train_rms_mnm, train)
         && takes(before.heldout_rms_mnm, after.heldout_rms_mnm, heldout)
 }

@@ -99,7 +99,7 @@ pub(super) fn read_back(archive: &Path, end: &RunEnd) -> anyhow::Result<Option<(
     let capture = &loaded.capture;
     let outcome = end.settle(&Overview {
         samples: capture.len() as u64 + capture.unmeasured_samples,
-        lost_samples: capture.gaps.iter().map(|gap| gap.count).sum(),
+        lost_samples: capture.lost_samples(),
         gaps: capture.gaps.clone(),
         rig: capture.rig.clone(),
         ..Overview::default()

@@ -35,7 +35,11 @@ pub struct CaptureOptions {
     pub until_ci: Option<Share>,
     /// Judge the unit by a specification, with repeated slow turns until the verdict is certain; exit status as for `judge`. Every
     /// turn is a separate capture
-    #[arg(long, value_name = "SPEC.toml", conflicts_with_all = ["diagnose", "until_ci", "torque"])]
+    #[arg(
+        long,
+        value_name = "SPEC.toml",
+        conflicts_with_all = ["diagnose", "until_ci", "torque", "sweep", "duration_s"]
+    )]
     pub spec: Option<PathBuf>,
     /// Largest number of slow turns for a verdict
     #[arg(long, requires = "spec", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]

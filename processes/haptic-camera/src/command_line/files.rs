@@ -113,7 +113,7 @@ impl CalibrateOptions {
 impl SimulateOptions {
     /// Whether the simulated capture is written as a table.
     pub fn writes_table(&self) -> bool {
-        self.out.as_ref().is_some_and(|out| out.extension().is_some_and(|extension| extension == "csv"))
+        self.out.as_ref().and_then(|out| out.extension()).is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))
     }
 
     fn kind(&self) -> Replace {

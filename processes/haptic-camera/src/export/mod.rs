@@ -35,9 +35,9 @@ pub struct ExportOptions {
     pub out: PathBuf,
     #[command(flatten)]
     pub columns: ColumnOptions,
-    /// Number of points in a model's table
-    #[arg(long, default_value_t = 256, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=65_536))]
-    pub points: u32,
+    /// Number of points in a model's table [default: 256]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=65_536))]
+    pub points: Option<u32>,
     /// Angle that a model's table covers [default: one period of the detents, a turn without detents]
     #[arg(long, value_enum, value_name = "SPAN")]
     pub over: Option<TableSpan>,
@@ -47,6 +47,25 @@ pub struct ExportOptions {
     /// Compute the torque that a simulator's format leaves out along this capture's motion [default: the sweep linear-chirp]
     #[arg(long, value_name = "CAPTURE")]
     pub along: Option<PathBuf>,
+}
+
+/// Number of points in a model's table where none was asked for.
+const POINTS: u32 = 256;
+
+impl ExportOptions {
+    /// The first option that was given and that an export of this kind has no use for.
+    fn unused(&self, is_model: bool, ending: &str) -> Option<&'static str> {
+        let is_table = is_model && matches!(ending, "csv" | "h");
+        let is_simulated = is_model && matches!(ending, "xml" | "urdf" | "fmu" | "json");
+        let options = [
+            ("--columns", self.columns.columns.is_some(), !is_model),
+            ("--points", self.points.is_some(), is_table),
+            ("--over", self.over.is_some(), is_table),
+            ("--along", self.along.is_some(), is_simulated),
+            ("--motor-mnm-per-v", self.motor_mnm_per_v.is_some(), is_model && ending == "json"),
+        ];
+        options.into_iter().find(|(_, is_given, is_used)| *is_given && !is_used).map(|(option, ..)| option)
+    }
 }
 
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
@@ -59,12 +78,16 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<()> {
     let source = Path::new(&options.source);
     let ending = options.out.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let is_model = load::names_model(&options.source);
+    let what = if is_model { "model" } else { "capture" };
+    if let Some(option) = options.unused(is_model, &ending) {
+        bail!(UsageError(anyhow!("{option} has no effect on a {what} that is exported as .{ending}; leave it out")));
+    }
     let model = || knobs::named(&options.source);
     let done = match (is_model, ending.as_str()) {
         (true, "h") => firmware_header(&model()?, options)?,
         (true, "xml") => {
             let model = model()?;
-            simulator::write_export(options, &model, &simulator_formats::mjcf(&model))?
+            simulator::write_export(options, &model, &simulator_formats::mjcf(&model)?)?
         }
         (true, "urdf") => simulator::urdf(&model()?, options)?,
         (true, "fmu") => simulator::fmu(&model()?, options)?,
@@ -77,11 +100,7 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<()> {
         (false, "parquet") => capture_as_parquet(source, options)?,
         (false, "csv") => capture_as_csv(source, options)?,
         _ => {
-            let (what, known) = if is_model {
-                ("model", ".csv, .h, .xml, .urdf, .fmu or .json")
-            } else {
-                ("capture", ".csv or .parquet")
-            };
+            let known = if is_model { ".csv, .h, .xml, .urdf, .fmu or .json" } else { ".csv or .parquet" };
             let out = options.out.display();
             bail!(UsageError(anyhow!("{out} has an unknown extension; a {what} is exported as {known}")))
         }
@@ -152,7 +171,7 @@ fn metadata(loaded: &LoadedCapture, columns: &[(&str, Values<'_>)]) -> Vec<(Stri
     let own = [
         ("source", capture.source.display().to_string()),
         ("rate_hz", capture.rate_hz.to_string()),
-        ("missing_samples", capture.gaps.iter().map(|gap| gap.count).sum::<u64>().to_string()),
+        ("missing_samples", capture.lost_samples().to_string()),
     ];
     let units =
         columns.iter().filter_map(|(name, _)| Some((format!("unit.{name}"), archive::unit_of(name)?.to_owned())));
@@ -165,7 +184,7 @@ fn metadata(loaded: &LoadedCapture, columns: &[(&str, Values<'_>)]) -> Vec<(Stri
 }
 
 fn tabulated(model: &Model, options: &ExportOptions) -> anyhow::Result<TorqueOverAngle> {
-    TorqueOverAngle::of(model, options.points, options.over).map_err(|error| match error {
+    TorqueOverAngle::of(model, options.points.unwrap_or(POINTS), options.over).map_err(|error| match error {
         TabulationError::NoPeriod(_) => with_options(error, "--over turn"),
         TabulationError::NoTorque(_) => error.into(),
     })

@@ -3,7 +3,7 @@
 use anyhow::{Context as _, anyhow};
 use archive::whole_file::write_bytes;
 use dynamics::excitation::{Drive, Excitation};
-use dynamics::{Axis, Model, Motion, knobs};
+use dynamics::{Model, Motion, knobs};
 use serde_json::json;
 use simulator_formats::{Export, SmartKnobExport, fmi, isaac_lab, left_out_mnm};
 
@@ -26,23 +26,22 @@ pub(super) fn write_export<Content: AsRef<[u8]>>(
     model: &Model,
     export: &Export<Content>,
 ) -> anyhow::Result<String> {
-    let (motions, motion) = motion(options, model.axis)?;
+    let (motions, motion) = motion(options)?;
     write_bytes(&options.out, kind::SIMULATOR, export.content.as_ref())?;
-    Ok(in_words(model.axis, left_out_mnm(model, &export.said, &motions), &motion, &export.left_out))
+    Ok(in_words(left_out_mnm(model, &export.said, &motions), &motion, &export.left_out))
 }
 
-fn in_words(axis: Axis, left_out_mnm: f64, along: &str, left_out: &[String]) -> String {
-    let mut words = axis.words(&format!("leaves out {left_out_mnm:.6} mNm RMS")).into_owned();
-    words += &format!(" along {along}");
-    words.extend(left_out.iter().map(|left_out| format!("\n- {}", axis.words(left_out))));
+fn in_words(left_out_mnm: f64, along: &str, left_out: &[String]) -> String {
+    let mut words = format!("leaves out {left_out_mnm:.6} mNm RMS along {along}");
+    words.extend(left_out.iter().map(|left_out| format!("\n- {left_out}")));
     words
 }
 
 /// The URDF, and beside it the fields of Isaac Lab's actuators, for which URDF has no place.
 pub(super) fn urdf(model: &Model, options: &ExportOptions) -> anyhow::Result<String> {
-    let words = write_export(options, model, &simulator_formats::urdf(model))?;
+    let words = write_export(options, model, &simulator_formats::urdf(model)?)?;
     let Some(beside) = options.isaac_lab() else { return Ok(words) };
-    write(&beside, kind::JSON, &isaac_lab(model))?;
+    write(&beside, kind::JSON, &isaac_lab(model)?)?;
     let beside = beside.display();
     Ok(format!("{words}\n{beside}: armature and friction as Isaac Lab's ImplicitActuatorCfg takes them"))
 }
@@ -63,10 +62,9 @@ pub(super) fn smartknob(options: &ExportOptions) -> anyhow::Result<String> {
         UsageError(anyhow!("SmartKnob's strengths are in volts; give the motor's torque per volt as --motor-mnm-per-v"))
     })?;
     let model = knobs::named(&options.source)?;
-    anyhow::ensure!(model.axis.is_rotary(), "{} has a linear axis; a SmartKnob is rotary", model.name);
-    let (motions, along) = motion(options, model.axis)?;
+    let (motions, along) = motion(options)?;
     let SmartKnobExport { knob: smartknob_config, left_out, left_out_mnm: left_out_rms_mnm } =
-        simulator_formats::smartknob(&model, motor_mnm_per_v, &motions);
+        simulator_formats::smartknob(&model, motor_mnm_per_v, &motions)?;
     let file = json!({
         "smartknob_config": smartknob_config,
         "motor_mnm_per_v": motor_mnm_per_v,
@@ -75,17 +73,17 @@ pub(super) fn smartknob(options: &ExportOptions) -> anyhow::Result<String> {
         "left_out": left_out,
     });
     write_json(model.axis, &Some(options.out.clone()), &file)?;
-    Ok(in_words(model.axis, left_out_rms_mnm, &along, &left_out))
+    Ok(in_words(left_out_rms_mnm, &along, &left_out))
 }
 
 /// The motion along which torques are compared, and what it is called.
-fn motion(options: &ExportOptions, axis: Axis) -> anyhow::Result<(Vec<Motion>, String)> {
+fn motion(options: &ExportOptions) -> anyhow::Result<(Vec<Motion>, String)> {
     if let Some(capture) = &options.along {
         let loaded = load::load(capture)?;
         let motions = identification::knob_motion(&loaded.samples(), loaded.calibration.as_ref())?;
         return Ok((motions, format!("the motion of {}", capture.display())));
     }
-    let sweep = Excitation::named("linear-chirp", Drive::Position)?.on(axis);
+    let sweep = Excitation::named("linear-chirp", Drive::Position)?;
     let samples = 0..(SWEEP_S * SWEEP_HZ) as u32;
     let motions = samples.map(|sample| {
         let time_s = f64::from(sample) / SWEEP_HZ;

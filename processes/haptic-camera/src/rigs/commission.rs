@@ -15,7 +15,7 @@ use hal::RigFile;
 use identification::{AccelerationUse, FitOptions, Samples, encoder_step};
 use loaded_capture::LoadedCapture;
 use rt_loop::request::RunRequest;
-use shared_types::Fault;
+use shared_types::{Fault, RunDescription};
 use toml_edit::{DocumentMut, Item, Value};
 
 use super::RigFileOptions;
@@ -268,8 +268,7 @@ fn find(loaded: &LoadedCapture) -> Option<Found> {
     if moved_rad < ENOUGH_RAD * capture.axis.fingertip_travel() {
         return None;
     }
-    let run = capture.description.as_ref();
-    let is_of_motor = run.is_some_and(|run| run.notes.iter().any(|(name, _)| name == "torque"));
+    let is_of_motor = capture.description.as_ref().is_some_and(RunDescription::has_motors_torque);
     Some(Found {
         moved_rad,
         driven: inertia(loaded, loaded.commanded_torque_mnm()?)?,

@@ -17,6 +17,8 @@ use crate::terminal::{by_reason, digits, interval, table};
 
 #[derive(Debug, Args)]
 #[command(mut_arg("report", |report| report.requires("captures")))]
+#[command(mut_arg("json", |json| json.requires("captures")))]
+#[command(mut_arg("columns", |columns| columns.requires("captures")))]
 pub struct SheetOptions {
     /// Captures or testers' files of one part, or a folder of them; several are averaged
     #[arg(required_unless_present = "wall", value_name = "CAPTURE")]
@@ -29,7 +31,7 @@ pub struct SheetOptions {
     #[command(flatten)]
     pub results: ResultFiles,
     /// Write the figures as a table
-    #[arg(long, value_name = "FILE.csv")]
+    #[arg(long, requires = "captures", value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
     /// Write one page with the paper's five knobs and SmartKnob's default ones, for the wall
     #[arg(long, value_name = "FILE.html")]

@@ -7,10 +7,11 @@ use std::io::{BufRead as _, BufReader, BufWriter, Seek as _, SeekFrom, Write as 
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
 
-use analysis::{Cell, Row};
+use analysis::{Cell, Row, common_axis};
 use anyhow::{Context as _, bail, ensure};
 use archive::ArchiveError;
 use archive::whole_file::{Replace, beside, write_whole};
+use dynamics::Axis;
 use nix::libc::O_NOFOLLOW;
 use parquet::basic::{Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
@@ -38,13 +39,13 @@ pub(super) struct Journal<'spec> {
     table: PathBuf,
     pub(super) place: PathBuf,
     file: File,
-    /// Where each file's line begins.
-    pub(super) lines: HashMap<CaptureFile, u64>,
+    /// Where each file's line begins, and the axis of what was captured.
+    pub(super) lines: HashMap<CaptureFile, (u64, Option<Axis>)>,
     end: u64,
 }
 
-/// A line: the file, then the row's cells as text, in which a number reads back to the last bit.
-type Line = (CaptureFile, Vec<Option<String>>);
+/// A line: the file, its axis, then the row's cells as text, in which a number reads back to the last bit.
+type Line = (CaptureFile, Option<Axis>, Vec<Option<String>>);
 
 impl<'spec> Journal<'spec> {
     /// Opens the journal of a table. A line that was cut off is dropped, and so are all rows
@@ -83,8 +84,8 @@ impl<'spec> Journal<'spec> {
         reader.seek(SeekFrom::Start(end)).with_context(unusable)?;
         text.clear();
         while reader.read_until(b'\n', &mut text).with_context(unusable)? > 0 && text.ends_with(b"\n") {
-            let Some((capture, _)) = parsed(&text, columns) else { break };
-            lines.insert(capture, end);
+            let Some((capture, axis, _)) = parsed(&text, columns) else { break };
+            lines.insert(capture, (end, axis));
             end += text.len() as u64;
             text.clear();
         }
@@ -95,11 +96,11 @@ impl<'spec> Journal<'spec> {
     /// Appends a row, which outlives this process from then on.
     pub(super) fn add(&mut self, capture: &CaptureFile, row: &Row) -> anyhow::Result<()> {
         let cells = row.cells().iter().map(|(_, cell)| written(cell)).collect();
-        let line: Line = (capture.clone(), cells);
+        let line: Line = (capture.clone(), row.axis(), cells);
         let text = serde_json::to_string(&line)? + "\n";
         let full = || format!("{} cannot be written; free some space and run again", self.place.display());
         self.file.write_all(text.as_bytes()).with_context(full)?;
-        self.lines.insert(capture.clone(), self.end);
+        self.lines.insert(capture.clone(), (self.end, row.axis()));
         self.end += text.len() as u64;
         Ok(())
     }
@@ -108,11 +109,12 @@ impl<'spec> Journal<'spec> {
     /// error.
     pub(super) fn into_table(mut self, files: &[CaptureFile]) -> anyhow::Result<usize> {
         let columns = Row::columns(self.specification);
+        let axis = common_axis(files.iter().filter_map(|file| self.lines[file].1)).ok();
         let mut write_rows = |place| -> anyhow::Result<usize> {
             let mut wrong = 0;
-            let mut table = begin_table(place, &columns, self.specification)?;
+            let mut table = begin_table(place, &columns, self.specification, axis)?;
             for files in files.chunks(ROWS_AT_ONCE) {
-                let rows = files.iter().map(|file| read_back(&mut self.file, self.lines[file], columns.len()));
+                let rows = files.iter().map(|file| read_back(&mut self.file, self.lines[file].0, columns.len()));
                 let rows = rows.collect::<anyhow::Result<Vec<_>>>()?;
                 wrong += rows.iter().filter(|cells| cells[ERROR].is_some()).count();
                 add_group(&mut table, &columns, &rows)?;
@@ -137,14 +139,14 @@ fn written(cell: &Cell) -> Option<String> {
 
 /// The file of a line and its cells, if it has so many.
 fn parsed(line: &[u8], cells: usize) -> Option<Line> {
-    serde_json::from_slice(line).ok().filter(|(_, there): &Line| there.len() == cells)
+    serde_json::from_slice(line).ok().filter(|(.., there): &Line| there.len() == cells)
 }
 
 fn read_back(journal: &mut File, start: u64, cells: usize) -> anyhow::Result<Vec<Option<String>>> {
     journal.seek(SeekFrom::Start(start))?;
     let mut line = Vec::new();
     BufReader::new(journal).read_until(b'\n', &mut line)?;
-    let (_, cells) = parsed(&line, cells).context("the journal was changed in the meantime; make the table again")?;
+    let (.., cells) = parsed(&line, cells).context("the journal was changed in the meantime; make the table again")?;
     Ok(cells)
 }
 
@@ -153,10 +155,18 @@ fn begin_table(
     place: BufWriter<File>,
     columns: &[(String, Cell)],
     specification: Option<&Specification>,
+    axis: Option<Axis>,
 ) -> Result<SerializedFileWriter<BufWriter<File>>, ParquetError> {
     let fields = columns.iter().map(|(name, empty)| (name.as_str(), physical(empty)));
-    let unit =
-        |(name, _): &(String, Cell)| Some((format!("unit.{name}"), Row::unit_of(name, specification)?.to_owned()));
+    let unit = |(name, _): &(String, Cell)| {
+        let on = |axis| Row::unit_of(name, specification, axis);
+        // A column about captures of both axes has a unit if it is that of either.
+        let unit = match axis {
+            Some(axis) => on(axis),
+            None => on(Axis::Rotary).filter(|unit| on(Axis::Linear).as_ref() == Some(unit)),
+        };
+        Some((format!("unit.{name}"), unit?.into_owned()))
+    };
     let metadata = columns.iter().filter_map(unit).chain([software()]);
     begin(place, "captures", fields, Repetition::OPTIONAL, metadata, WriterProperties::builder())
 }

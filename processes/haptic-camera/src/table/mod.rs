@@ -39,13 +39,16 @@ pub struct TableOptions {
     pub jobs: Option<NonZero<usize>>,
 }
 
+/// Endings of the files that are taken for captures.
+const ENDINGS: [&str; 3] = ["mcap", "csv", "mf4"];
+
 /// Makes the table; a capture that cannot be read or fitted is a row.
 pub fn run(options: &TableOptions) -> anyhow::Result<()> {
     let mut files = Vec::new();
     options.folders.iter().try_for_each(|folder| add(folder, &mut files))?;
     files.sort();
     files.dedup();
-    ensure!(!files.is_empty(), "no .mcap or .csv file in the folders; give folders of captures");
+    ensure!(!files.is_empty(), "no .{} file in the folders; give folders of captures", ENDINGS.join(", ."));
     let specification = options.spec.as_deref().map(load_specification).transpose()?;
     let mut journal = Journal::open(&options.out, specification.as_ref())?;
     let left: Vec<&CaptureFile> = files.iter().filter(|file| !journal.lines.contains_key(*file)).collect();
@@ -105,7 +108,8 @@ fn add(folder: &Path, files: &mut Vec<CaptureFile>) -> anyhow::Result<()> {
         // A link may lead back to a folder that contains it, so links to folders are not followed.
         if entry.file_type().with_context(unreadable)?.is_dir() {
             add(&path, files)?;
-        } else if path.extension().is_some_and(|ending| ["mcap", "csv", "mf4"].iter().any(|known| ending == *known)) {
+        } else if path.extension().is_some_and(|found| ENDINGS.iter().any(|ending| found.eq_ignore_ascii_case(ending)))
+        {
             let metadata = path.metadata().ok();
             let written = metadata.as_ref().and_then(|file| file.modified().ok()?.duration_since(UNIX_EPOCH).ok());
             let written_ns = written.map_or(0, |time| time.as_nanos() as u64);

@@ -74,6 +74,21 @@ fn a_drawn_table_becomes_the_detents() {
 }
 
 #[test]
+fn a_parameter_of_a_pressed_control_goes_by_the_name_in_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    composed(folder, "--inertia dome --extra dome:bottom-out --set bottom_travel=3 --out low.toml");
+    composed(folder, "--inertia dome --extra dome:bottom-out --from bottom_travel=low.toml --out again.toml");
+    for name in ["low.toml", "again.toml"] {
+        let text = std::fs::read_to_string(folder.join(name)).unwrap();
+        assert!(text.contains("bottom_travel = 3.0"), "{text}");
+    }
+    let (error, status) = refused(folder, "--extra dome:bottom-out --set botom_travel=3 --out new.toml");
+    assert!(error.contains("'botom_travel'") && error.contains("the nearest is bottom_travel"), "{error}");
+    assert_eq!(status, 2);
+}
+
+#[test]
 fn nothing_but_a_composed_model_is_written_over() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);

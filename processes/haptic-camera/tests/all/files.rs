@@ -195,6 +195,16 @@ fn what_cannot_be_exported_so_is_reported_with_what_can() {
     refused(folder, "export 3 --out knob.xyz", 2, "exported as .csv, .h, .xml, .urdf, .fmu or .json");
     refused(folder, "export capture.mcap --out capture.h", 2, "exported as .csv or .parquet");
     refused(folder, "export 3 --out knob.h --points 1", 2, "4..=65536");
+    for (line, option) in [
+        ("3 --out knob.xml --points 9", "--points"),
+        ("3 --out knob.urdf --over turn", "--over"),
+        ("3 --out knob.csv --along capture.mcap", "--along"),
+        ("3 --out knob.xml --motor-mnm-per-v 9", "--motor-mnm-per-v"),
+        ("3 --out knob.csv --columns angle=1,torque=2", "--columns"),
+        ("capture.mcap --out capture.csv --points 9", "--points"),
+    ] {
+        refused(folder, &format!("export {line}"), 2, &format!("{option} has no effect on a "));
+    }
     refused(folder, "export nowhere.mcap --out capture.csv", 1, "does not exist");
     refused(folder, "export 1 --out knob.csv", 1, "no torque that depends on the angle");
     refused(folder, "export 1 --out knob.csv --over period", 1, "--over turn");
@@ -236,6 +246,7 @@ fn a_folder_is_listed_by_time_with_what_is_damaged_and_what_is_foreign() {
     assert_eq!(of("z-first.mcap")["lost_samples"], 0);
     let fit = json(&folder.join("z-first.json"));
     assert_eq!(of("z-first.mcap")["relative_error_percent"], fit["relative_error_percent"]);
+    assert_eq!(of("z-first.mcap")["duration_s"], fit["capture"]["duration_s"]);
     // Without the JSON beside it a capture is fitted for the list.
     assert!(of("a-second.mcap")["mean_ci95_mnm"].as_f64().unwrap() > 0.0);
     assert_eq!(of("cut.mcap")["health"], "truncated");

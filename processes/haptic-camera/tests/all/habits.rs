@@ -72,6 +72,25 @@ fn completions_and_manual_pages_know_every_command() {
 }
 
 #[test]
+fn options_that_would_have_no_effect_are_wrong_usage() {
+    for line in [
+        "sheet --wall wall.html --json sheet.json",
+        "sheet --wall wall.html --csv sheet.csv",
+        "sheet --wall wall.html --columns angle=1,torque=2",
+        "gauge --values values.csv --figure peak_torque --columns angle=1,torque=2",
+        "calibrate zero capture.mcap --offline --out zero.toml",
+        "capture --spec spec.toml --sweep multisine --offline",
+        "capture --spec spec.toml --duration-s 3 --offline",
+    ] {
+        let output = haptic_camera(&line.split(' ').collect::<Vec<_>>());
+        let said = String::from_utf8_lossy(&output.stderr);
+        // Clap says of an option that it goes with others, or with none of them.
+        let is_refused = said.contains("cannot be used with") || said.contains("required arguments");
+        assert!(output.status.code() == Some(2) && is_refused, "{line}: {said}");
+    }
+}
+
+#[test]
 fn a_log_in_a_pipe_has_no_colours() {
     let output = Command::new(env!("CARGO_BIN_EXE_haptic-camera"))
         .args(["fit", "nowhere.mcap"])

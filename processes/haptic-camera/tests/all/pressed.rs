@@ -1,6 +1,6 @@
 //! A pressed control is captured, fitted, reported, rendered and judged in mm and N.
 
-use crate::program::{call, done, json, only, words};
+use crate::program::{call, done, json, only, refused, words};
 use serde_json::Value;
 
 /// A dome of another size than the shipped one, damped more.
@@ -155,7 +155,9 @@ fn whatever_is_said_of_a_linear_axis_is_in_its_words_and_units() {
         let arguments = "capture --apparatus sim-linear --knob slider.toml --duration-s 4 --offline --no-viewer";
         done(folder, &format!("{arguments} --sweep {sweep} --out {name}"));
     }
-    let [sweep, heldout] = ["sweep", "heldout"].map(|name| only(&folder.join(name), "mcap").display().to_string());
+    done(folder, "replay slider.toml --apparatus sim-linear --offline --duration-s 1 --out felt");
+    let [sweep, heldout, felt] =
+        ["sweep", "heldout", "felt"].map(|name| only(&folder.join(name), "mcap").display().to_string());
     let said = [
         format!("check {sweep} --model slider.toml --json check.json"),
         format!(
@@ -164,11 +166,13 @@ fn whatever_is_said_of_a_linear_axis_is_in_its_words_and_units() {
         format!("compare {sweep} slider.toml dome"),
         format!("simulate slider.toml --like {sweep}"),
         "compose --inertia slider.toml --friction slider.toml --detents slider.toml --out composed.toml".to_owned(),
-        "export slider.toml --out slider.xml".to_owned(),
         "export dome --out dome.h".to_owned(),
         "calibrate friction --apparatus sim-linear --offline --out friction.toml".to_owned(),
         "calibrate latency --apparatus sim-linear --offline --out latency.toml".to_owned(),
         "rig-test --apparatus sim-linear --offline --json rig-test.json --report rig-test.html".to_owned(),
+        "table sweep --out table.parquet".to_owned(),
+        "trend table.parquet --json trend.json --report trend.html".to_owned(),
+        format!("recompute {felt} --json recomputed.json"),
     ];
     for arguments in &said {
         let output = call(folder, arguments);
@@ -186,6 +190,8 @@ fn whatever_is_said_of_a_linear_axis_is_in_its_words_and_units() {
         "dome.h",
         "friction.toml",
         "rig-test.html",
+        "trend.html",
+        "recomputed.json",
     ] {
         let text = std::fs::read_to_string(folder.join(file)).unwrap();
         assert!(!text.to_lowercase().contains("mnm"), "{file}: {text}");
@@ -206,10 +212,37 @@ fn whatever_is_said_of_a_linear_axis_is_in_its_words_and_units() {
         assert!(lag["phase_rad"].as_f64().unwrap().abs() < 0.5, "{lag}");
         assert!((lag["gain"].as_f64().unwrap() - 1.0).abs() < 0.1, "{lag}");
     }
+    let trend = json(&folder.join("trend.json"));
+    let parameters = trend["groups"][0]["parameters"].as_array().unwrap();
+    let unit = |name: &str| &parameters.iter().find(|one| one["name"] == name).unwrap()["unit"];
+    assert_eq!((unit("inertia"), unit("coulomb_negative")), (&"N s²/mm".into(), &"N".into()));
     let list = words(&call(folder, "list sweep"));
     assert!(list.contains("mNm or N") && !list.lines().nth(1).unwrap().contains(" - "), "{list}");
     let output = call(folder, "calibrate gravity --apparatus sim-linear --offline --out gravity.toml");
     assert!(words(&output).contains("calibrate zero"), "{}", words(&output));
+}
+
+#[test]
+fn what_is_only_for_a_rotary_axis_is_refused_with_what_to_do_instead() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let robot = "<mujoco><worldbody><body><joint name=\"key\"/></body></worldbody></mujoco>";
+    std::fs::write(folder.join("robot.xml"), robot).unwrap();
+    done(folder, "capture --apparatus sim-linear --duration-s 4 --offline --no-viewer --out pressed");
+    done(folder, "capture --knob 3 --duration-s 4 --offline --no-viewer --out turned");
+    let pressed = only(&folder.join("pressed"), "mcap").display().to_string();
+    for line in [
+        "export dome --out dome.xml",
+        "export dome --out dome.urdf",
+        "export dome --out dome.json --motor-mnm-per-v 10",
+        &format!("fit {pressed} --into robot.xml"),
+    ] {
+        let said = refused(folder, line);
+        assert!(said.contains("has a linear axis") && said.ends_with("export its force over travel as .csv"), "{said}");
+    }
+    assert_eq!(std::fs::read_to_string(folder.join("robot.xml")).unwrap(), robot);
+    let said = refused(folder, "table pressed turned --out both.parquet");
+    assert!(said.contains("some captures are rotary and some linear; give one kind"), "{said}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::program::{call, done, words};
+use crate::program::{call, done, only, refused, words};
 
 /// A press of a made-up dome with its collapse at 1 mm, and its return: travel in mm, force in gf.
 fn dome(collapse_gf: f64) -> String {
@@ -50,6 +50,37 @@ fn a_dome_has_its_sheet_as_table_json_csv_and_page() {
     assert!(read("s.html").contains("Force over travel as measured"));
     // What was written before may be written again.
     done(folder.path(), sheet);
+}
+
+/// Seven and a half radians of a made-up knob there and back: angle in rad, torque in mNm.
+fn knob(friction_mnm: f64) -> String {
+    let mut text = "angle_rad,torque_mnm\n".to_owned();
+    for row in 0..16_000 {
+        let (way, step) = if row < 8_000 { (1.0, row) } else { (-1.0, 15_999 - row) };
+        let angle_rad = 7.5 * f64::from(step) / 8_000.0;
+        let noise = 0.05 * (f64::from(row) * 12.9898).sin();
+        writeln!(text, "{angle_rad},{}", 5.0 * (12.0 * angle_rad).sin() + way * friction_mnm + noise).unwrap();
+    }
+    text
+}
+
+#[test]
+fn a_folder_stands_for_the_captures_in_it_and_for_nothing_that_was_made_of_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    done(folder, "capture --knob 3 --sweep slow-turn --duration-s 20 --rate-hz 5000 --offline --no-viewer --out made");
+    let archive = only(&folder.join("made"), "mcap");
+    let table = archive.with_extension("csv");
+    done(folder, &format!("export {} --out {}", archive.display(), table.display()));
+    let runs = || -> serde_json::Value {
+        let sheet: serde_json::Value = serde_json::from_str(&done(folder, "sheet made --json -")).unwrap();
+        sheet["runs"].clone()
+    };
+    assert_eq!(runs(), 1);
+    std::fs::remove_file(&archive).unwrap();
+    std::fs::rename(&table, table.with_extension("CSV")).unwrap();
+    assert_eq!(runs(), 1);
+    assert!(done(folder, "table made --out table.parquet").contains("table.parquet: 1 captures"));
 }
 
 #[test]
@@ -111,8 +142,34 @@ fn capability_and_gauge_take_captures_and_tables() {
     write("values.csv", &rows);
     let said = done(folder.path(), "gauge --values values.csv --figure peak_torque");
     assert!(said.contains("peak_torque: %GRR "), "{said}");
+    let named = (0..12).fold("part,operator,value\n".to_owned(), |mut text, row| {
+        let (part, operator) = (["a 1", "b 2", "c 3"][row / 4], ["Anna", "\"Ben, jun.\""][row / 2 % 2]);
+        writeln!(text, "{part},{operator},{}", (row / 4) as f64 + 0.1 * (row % 2) as f64).unwrap();
+        text
+    });
+    write("named.csv", &named);
+    assert_eq!(done(folder.path(), "gauge --values named.csv --figure peak_torque"), said);
+    write("words.csv", &named.replace("Anna,0\n", "Anna,none\n"));
+    let refusal = refused(folder.path(), "gauge --values words.csv --figure peak_torque");
+    assert!(refusal.contains("`none` in the column value is not a number"), "{refusal}");
     let output = call(folder.path(), "gauge --values values.csv --figure peak");
     assert!(!output.status.success() && words(&output).contains("`peak` is not a figure"), "{}", words(&output));
+}
+
+#[test]
+fn a_figure_that_turned_and_pressed_controls_share_is_that_of_the_captures() {
+    let folder = tempfile::tempdir().unwrap();
+    let frictions_mnm = [3.0, 3.1, 2.9, 3.05];
+    for (number, friction_mnm) in frictions_mnm.into_iter().enumerate() {
+        std::fs::write(folder.path().join(format!("{number}.csv")), knob(friction_mnm)).unwrap();
+    }
+    std::fs::write(folder.path().join("spec.toml"), "[figures.hysteresis_energy]\nmax = 60\n").unwrap();
+    let line = "capability 0.csv 1.csv 2.csv 3.csv --figure hysteresis_energy --spec spec.toml --json -";
+    let json: serde_json::Value = serde_json::from_str(&done(folder.path(), line)).unwrap();
+    let mean_mj = json["hysteresis_energy"]["mean"].as_f64().unwrap();
+    // Both ways round a turn.
+    let expected_mj = 2.0 * std::f64::consts::TAU * frictions_mnm.iter().sum::<f64>() / 4.0;
+    assert!((mean_mj - expected_mj).abs() < 0.2, "{mean_mj} instead of {expected_mj}");
 }
 
 #[test]

@@ -150,3 +150,11 @@ fn a_models_relative_error_on_a_capture_is_reported_without_writing_anything() {
     assert!((found - expected).abs() < 0.05, "{found} % for {expected} %");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
 }
+
+#[test]
+fn a_capture_is_simulated_into_a_table_whatever_the_case_of_its_ending() {
+    let folder = tempfile::tempdir().unwrap();
+    simulated(folder.path(), BASE, "--out OUT.CSV");
+    let table = std::fs::read_to_string(folder.path().join("OUT.CSV")).unwrap();
+    assert!(table.starts_with("t_s,angle_rad,"), "{}", &table[..40]);
+}

@@ -1,6 +1,8 @@
 //! Whether the servo holds a knob at a rate: the loop is simulated without friction, steps or noise to see whether its swings die
 //! away.
 
+use std::collections::VecDeque;
+
 use dynamics::{Calibration, Setpoint};
 use hal::Measurement;
 
@@ -30,6 +32,8 @@ pub struct Holding<'a> {
     pub gains: ServoGains,
     /// The rig's calibration.
     pub calibration: &'a Calibration,
+    /// Delay of a torque beyond that of a rig that reads and drives at the tick, in ticks.
+    pub torque_late_ticks: f64,
     /// Inertia of the knob while it turns, mNm·s²/rad; zero for the bare gripper.
     pub knob_inertia: f64,
 }
@@ -55,6 +59,7 @@ impl Holding<'_> {
         let step_s = rate_hz.recip();
         let mut shaft = Shaft::new(self.calibration, knob_inertia);
         let mut before_rad = START_RAD;
+        let mut under_way_mnm = VecDeque::from(vec![0.0; self.torque_late_ticks.round() as usize]);
         let ticks = (STRETCH_S * rate_hz) as usize;
         let mut largest_rad = [0.0_f64; STRETCHES];
         for largest_rad in &mut largest_rad {
@@ -65,7 +70,8 @@ impl Holding<'_> {
                 let velocity_rad_s = (angle_rad - before_rad) / step_s;
                 before_rad = angle_rad;
                 let command = servo.torque_mnm(&Setpoint::default(), &measurement, velocity_rad_s, 1);
-                shaft.turn(command, step_s);
+                under_way_mnm.push_back(command);
+                shaft.turn(under_way_mnm.pop_front().unwrap_or_default(), step_s);
                 *largest_rad = largest_rad.max(shaft.rotor_rad.abs());
             }
         }
@@ -82,6 +88,7 @@ struct Shaft {
     viscous: f64,
     stiffness_mnm_rad: f64,
     damping: f64,
+    command_delay_s: f64,
     rotor_rad: f64,
     rotor_rad_s: f64,
     gripper_rad: f64,
@@ -104,6 +111,7 @@ impl Shaft {
             viscous: calibration.motor_viscous.unwrap_or(0.0),
             stiffness_mnm_rad,
             damping: 2.0 * SENSOR_DAMPING_RATIO * (stiffness_mnm_rad * reduced_inertia).sqrt(),
+            command_delay_s: calibration.command_delay_s.unwrap_or(ACTUATOR_DELAY_S),
             rotor_rad: START_RAD,
             rotor_rad_s: 0.0,
             gripper_rad: START_RAD,
@@ -121,8 +129,9 @@ impl Shaft {
     fn turn(&mut self, command_mnm: f64, step_s: f64) {
         let substeps = (step_s / SUBSTEP_S).ceil();
         let substep_s = step_s / substeps;
+        let taken_up = if self.command_delay_s > 0.0 { -(-substep_s / self.command_delay_s).exp_m1() } else { 1.0 };
         for _ in 0..substeps as u32 {
-            self.motor_mnm += substep_s / ACTUATOR_DELAY_S * (command_mnm - self.motor_mnm);
+            self.motor_mnm += taken_up * (command_mnm - self.motor_mnm);
             let sensor_mnm = self.sensor_mnm();
             let accelerating_mnm = self.motor_mnm - self.viscous * self.rotor_rad_s - sensor_mnm;
             self.rotor_rad_s += substep_s / self.rotor_inertia * accelerating_mnm;

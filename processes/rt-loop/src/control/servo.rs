@@ -227,29 +227,44 @@ impl Servo {
         velocity_rad_s: f64,
         elapsed_ticks: u64,
     ) -> f64 {
-        let gains = &self.gains;
         let step_s = elapsed_ticks as f64 * self.tick_s;
         let angle_error_rad = setpoint.value - measurement.angle_rad;
-        self.integral_mnm = (self.integral_mnm + gains.integral_mnm_rad_s * angle_error_rad * step_s)
-            .clamp(-gains.integral_limit_mnm, gains.integral_limit_mnm);
-        let speed_error_rad_s = setpoint.rate - velocity_rad_s;
-        self.lagged_speed_error_rad_s = match gains.speed_lag_s > 0.0 {
+        let limit_mnm = self.gains.integral_limit_mnm;
+        self.integral_mnm =
+            (self.integral_mnm + self.gains.integral_mnm_rad_s * angle_error_rad * step_s).clamp(-limit_mnm, limit_mnm);
+        let feedback_mnm = self.gains.proportional_mnm_rad * angle_error_rad
+            + self.damping_mnm(setpoint.rate - velocity_rad_s, step_s)
+            + self.integral_mnm;
+        let load_mnm = measurement.torque_mnm - self.torque_zero_mnm - self.gripper_inertia * setpoint.acceleration;
+        let filtered_mnm = self.notched_mnm(feedback_mnm, elapsed_ticks);
+        let carried_mnm = across_ticks(elapsed_ticks, self.load_mnm, load_mnm, |input| self.load.run(input));
+        self.load_mnm = load_mnm;
+        self.rig_inertia * setpoint.acceleration + filtered_mnm + self.gains.load_share * carried_mnm
+    }
+
+    /// Torque that brakes wherever the knob is, mNm, so many ticks after the last one.
+    pub(super) fn braking_mnm(&mut self, velocity_rad_s: f64, elapsed_ticks: u64) -> f64 {
+        let damping_mnm = self.damping_mnm(-velocity_rad_s, elapsed_ticks as f64 * self.tick_s);
+        self.notched_mnm(damping_mnm, elapsed_ticks)
+    }
+
+    fn damping_mnm(&mut self, speed_error_rad_s: f64, step_s: f64) -> f64 {
+        let lag_s = self.gains.speed_lag_s;
+        self.lagged_speed_error_rad_s = match lag_s > 0.0 {
             true => {
                 self.lagged_speed_error_rad_s
-                    - (speed_error_rad_s - self.lagged_speed_error_rad_s) * (-step_s / gains.speed_lag_s).exp_m1()
+                    - (speed_error_rad_s - self.lagged_speed_error_rad_s) * (-step_s / lag_s).exp_m1()
             }
             false => speed_error_rad_s,
         };
-        let feedback_mnm = gains.proportional_mnm_rad * angle_error_rad
-            + gains.derivative_mnm_s_rad * self.lagged_speed_error_rad_s
-            + self.integral_mnm;
-        let load_mnm = measurement.torque_mnm - self.torque_zero_mnm - self.gripper_inertia * setpoint.acceleration;
-        let filtered_mnm = self.notch.as_mut().map_or(feedback_mnm, |notch| {
-            across_ticks(elapsed_ticks, self.feedback_mnm, feedback_mnm, |input| notch.run(input))
-        });
-        let carried_mnm = across_ticks(elapsed_ticks, self.load_mnm, load_mnm, |input| self.load.run(input));
-        (self.feedback_mnm, self.load_mnm) = (feedback_mnm, load_mnm);
-        self.rig_inertia * setpoint.acceleration + filtered_mnm + gains.load_share * carried_mnm
+        self.gains.derivative_mnm_s_rad * self.lagged_speed_error_rad_s
+    }
+
+    fn notched_mnm(&mut self, feedback_mnm: f64, elapsed_ticks: u64) -> f64 {
+        let before_mnm = std::mem::replace(&mut self.feedback_mnm, feedback_mnm);
+        self.notch.as_mut().map_or(feedback_mnm, |notch| {
+            across_ticks(elapsed_ticks, before_mnm, feedback_mnm, |input| notch.run(input))
+        })
     }
 }
 
@@ -258,7 +273,7 @@ impl Servo {
 /// If a filter ran only in the ticks that are served, its frequencies would fall with their rate and the resonance would ring: where
 /// a host missed every other tick at 5 kHz, the simulated rig with knob 3 reached the sensor's limit within 20 ms. Run for each
 /// tick, the servo bears seven of eight ticks missed at 5 and 10 kHz, and five of six at 20 kHz.
-fn across_ticks(elapsed_ticks: u64, from: f64, to: f64, mut run: impl FnMut(f64) -> f64) -> f64 {
+pub(super) fn across_ticks(elapsed_ticks: u64, from: f64, to: f64, mut run: impl FnMut(f64) -> f64) -> f64 {
     let ticks = elapsed_ticks.min(MOST_FILTERED_TICKS);
     for tick in 1..ticks {
         run(from + (to - from) * tick as f64 / ticks as f64);

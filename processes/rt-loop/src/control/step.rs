@@ -260,16 +260,22 @@ impl ControlState {
             }
             LoopState::Running => self.run(&measurement, reading),
             LoopState::Stopping => {
+                if let Some(fault) = self.exceeded(&measurement, f64::NAN) {
+                    return self.fail(fault, &measurement);
+                }
                 let time_s = self.seconds(self.tick);
-                let release = (1.0 - time_s / RELEASE_S).max(0.0);
-                let brake = (1.0 - time_s / STOPPING_S).max(0.0) * (1.0 - release);
-                let torque = release * self.release_torque_mnm
-                    - brake * self.plan.gains.derivative_mnm_s_rad * self.tracked.difference_rad_s();
                 if time_s >= STOPPING_S {
                     self.enter(LoopState::Idle);
                     return StepOutput { torque_mnm: 0.0, sample: None };
                 }
-                self.silent(torque)
+                let release = (1.0 - time_s / RELEASE_S).max(0.0);
+                let brake = (1.0 - time_s / STOPPING_S) * (1.0 - release);
+                // A run without a servo ends without one: a motor or an encoder of the wrong sign would turn ever faster.
+                let braking_mnm = match self.holds() {
+                    true => self.servo.braking_mnm(self.tracked.difference_rad_s(), reading.elapsed_ticks),
+                    false => 0.0,
+                };
+                self.silent(release * self.release_torque_mnm + brake * braking_mnm)
             }
         }
     }

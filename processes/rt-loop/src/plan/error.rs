@@ -1,5 +1,7 @@
 //! Why a run cannot be done as asked.
 
+use std::path::PathBuf;
+
 use dynamics::excitation::ExcitationError;
 use dynamics::{Axis, CalibrationError, ModelError};
 use hal::RigFileError;
@@ -91,6 +93,21 @@ pub enum PlanError {
     /// A calibration that cannot be used.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
+    /// A calibration of a rig that moves along the other axis.
+    #[error(
+        "{} is the calibration of a rig with a {is} axis, and the rig '{rig}' has a {has} one; calibrate this rig",
+        path.display()
+    )]
+    CalibrationOfOtherAxis {
+        /// The file.
+        path: PathBuf,
+        /// Its axis.
+        is: Axis,
+        /// The rig's name.
+        rig: String,
+        /// The rig's axis.
+        has: Axis,
+    },
     /// An excitation that cannot be had.
     #[error(transparent)]
     Excitation(#[from] ExcitationError),

@@ -132,6 +132,15 @@ impl Plan {
         call_numbers(&rig)?;
         if let Some(path) = &request.rig.calibration {
             rig.calibration = Calibration::load(path)?;
+            let is = rig.calibration.axis;
+            if is != file.axis {
+                return Err(PlanError::CalibrationOfOtherAxis {
+                    path: path.clone(),
+                    is,
+                    rig: rig.name,
+                    has: file.axis,
+                });
+            }
         }
         rig.calibration.axis = file.axis;
         let rate_hz = request.pace.rate_hz;
@@ -192,7 +201,8 @@ fn check_servo(
     gains_at: impl Fn(f64) -> ServoGains,
 ) -> Result<(), PlanError> {
     let ControlPlan { gains, rate_hz, .. } = *control;
-    let holding = Holding { gains, calibration: &rig.calibration, knob_inertia };
+    let holding =
+        Holding { gains, calibration: &rig.calibration, torque_late_ticks: rig.torque_late_ticks, knob_inertia };
     if holding.is_stable(rate_hz) {
         return Ok(());
     }

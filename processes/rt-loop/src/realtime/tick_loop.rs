@@ -207,6 +207,7 @@ impl TickLoop {
         let mut schedule = Schedule::starting_now(self.rate_hz);
         let mut push_ns = 0;
         let mut torque_mnm = 0.0;
+        let mut refused = None;
         let mut dropped_samples = 0;
         while !self.shared.quit.load(Ordering::Acquire) {
             let tick = schedule.wait();
@@ -214,6 +215,8 @@ impl TickLoop {
                 watched.tick(tick.number);
             }
             let measurement = self.exchange(tick.due_ns, torque_mnm);
+            // A torque that the rig did not take ends the run, even if its sensors can still be read.
+            let measurement = refused.take().map_or(measurement, Err);
             if self.is_on {
                 schedule.shift(self.apparatus.shift_ns());
             }
@@ -226,8 +229,7 @@ impl TickLoop {
             let stepped_ns = monotonic_time_ns();
             torque_mnm = output.torque_mnm;
             if self.is_on {
-                // A refused torque shows as an error of the next exchange.
-                let _ = self.apparatus.write_torque(torque_mnm);
+                refused = self.apparatus.write_torque(torque_mnm).err();
             }
             if self.control.state() == LoopState::Fault {
                 self.switch_off();
@@ -263,8 +265,10 @@ impl TickLoop {
     }
 
     fn show(&self, measurement: Option<Measurement>) {
-        let angle_rad = measurement.map_or(f64::NAN, |measurement| measurement.angle_rad);
-        self.shared.angle_bits.store(angle_rad.to_bits(), Ordering::Relaxed);
+        // Without new data the angle is that of the newest.
+        if let Some(measurement) = measurement.filter(|measurement| !measurement.is_stale) {
+            self.shared.angle_bits.store(measurement.angle_rad.to_bits(), Ordering::Relaxed);
+        }
         self.shared.served_ticks.fetch_add(1, Ordering::Relaxed);
         self.shared.device_code.store(self.control.device_code(), Ordering::Release);
         self.shared.fault.store(self.control.fault().map_or(0, shared_types::Fault::code), Ordering::Release);

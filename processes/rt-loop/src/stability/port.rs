@@ -119,12 +119,14 @@ impl Port {
             }
             LinearModel::Stuck | LinearModel::TwoBodies { .. } => Complex64::ZERO,
         };
+        // The motor's own friction is felt anyway, and is not rendered once more.
+        let rendered = |damping: f64| (damping - self.viscous).max(0.0);
         // The body: inertia·(z − 1)/T·ω = drive − torques of the model.
         let body = match *model {
             LinearModel::Stuck => None,
             LinearModel::Sliding { inertia, damping, stiffness_mnm_rad } => Some(
                 (inertia - self.gripper_inertia) * (z - 1.0) / step_s
-                    + damping * z
+                    + rendered(damping) * z
                     + stiffness_mnm_rad * (angle_per_velocity * (1.0 - further) + 0.5 * step_s),
             ),
             LinearModel::TwoBodies { cap_inertia, stiffness_mnm_rad, damping, inner } => {
@@ -132,7 +134,7 @@ impl Port {
                 let contact = stiffness_mnm_rad * (angle_per_velocity + 0.25 * step_s * (z + 1.0)) + damping * z;
                 let behind = inner.map_or(contact, |inner| {
                     let inner = inner.inertia * (z - 1.0) / step_s
-                        + inner.damping * z
+                        + rendered(inner.damping) * z
                         + inner.stiffness_mnm_rad * (angle_per_velocity + 0.5 * step_s);
                     contact * inner / (contact + inner)
                 });

@@ -1,5 +1,7 @@
 //! The axis of a forest plot: linear, or logarithmic where values lie powers of ten apart.
 
+use identification::statistics::range;
+
 use crate::numbers::printed;
 use crate::plot::Axis;
 
@@ -25,8 +27,7 @@ impl Scale {
     /// The scale that suits all finite `values`.
     pub(super) fn around(values: impl Iterator<Item = f64>) -> Self {
         let values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let [low, high] = range(&values);
         let spans_zero = low < 0.0 && high > 0.0;
         if low > 0.0 && high > FAR_APART * low {
             let decades = [low.log10(), high.log10()];

@@ -1,6 +1,7 @@
 //! The model's torque, averaged over narrow ranges of a quantity.
 
 use identification::Point;
+use identification::statistics::range;
 
 use super::real;
 
@@ -51,8 +52,7 @@ pub(super) fn runs<'a>(
     rows_each: usize,
 ) -> Vec<Vec<Bin>> {
     let values = points.clone().map(of);
-    let low = values.clone().fold(f64::INFINITY, f64::min);
-    let high = values.clone().fold(f64::NEG_INFINITY, f64::max);
+    let [low, high] = range(values.clone());
     let count = (values.count() / rows_each).clamp(1, most);
     let mut bins = vec![Bin::default(); count];
     for point in points {

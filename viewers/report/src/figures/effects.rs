@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use dynamics::{Coordinate, Direction, Effect, Motion, Part, effects};
+use identification::statistics::range;
 use identification::{Fit, Point};
 
 use super::{ACCELERATION, ANGLE, Figure, Mark, THIRD, TORQUE, VELOCITY, real, thinned};
@@ -103,10 +104,9 @@ fn figure(view: &View, effect: &Effect, points: &[Point]) -> Figure {
         .map(|point| ((view.of)(&point.motion()), torque_mnm(effect, &point.motion()) + point.residual_mnm))
         .filter(|(at, torque)| at.is_finite() && torque.is_finite())
         .collect();
-    let ends =
-        dots.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (at, _)| (low.min(*at), high.max(*at)));
+    let [first, last] = range(dots.iter().map(|(at, _)| at));
     let curve: Vec<(f64, f64)> = (0..=CURVE)
-        .map(|step| ends.0 + (ends.1 - ends.0) * real(step) / real(CURVE))
+        .map(|step| first + (last - first) * real(step) / real(CURVE))
         .map(|at| (at, torque_mnm(effect, &(view.motion)(at, effect))))
         .filter(|(at, torque)| at.is_finite() && torque.is_finite())
         .collect();

@@ -9,6 +9,7 @@ mod torque;
 
 use std::collections::BTreeMap;
 
+use identification::statistics::range;
 use identification::{Fit, Point};
 use maud::{Markup, html};
 
@@ -118,8 +119,8 @@ fn thinned<T: Copy>(items: impl ExactSizeIterator<Item = T>, most: usize) -> Vec
 
 /// Distance between the smallest and the largest angle, rad.
 fn travel_rad(points: &[Point]) -> f64 {
-    let angles = points.iter().map(|point| point.angle_rad);
-    angles.clone().fold(f64::NEG_INFINITY, f64::max) - angles.fold(f64::INFINITY, f64::min)
+    let [lowest, highest] = range(points.iter().map(|point| point.angle_rad));
+    highest - lowest
 }
 
 /// Longest time from one row to the next that is not a gap, s.

@@ -3,6 +3,7 @@
 pub(crate) mod ink;
 pub(crate) mod themed_svg;
 
+use identification::statistics::range;
 use maud::{Markup, PreEscaped, html};
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::Ranged as _;
@@ -52,9 +53,7 @@ pub(crate) struct Axis {
 impl Axis {
     /// An axis that holds all finite `values` with a margin.
     pub(crate) fn around(title: &str, values: impl IntoIterator<Item = f64>) -> Self {
-        let finite = values.into_iter().filter(|value| value.is_finite());
-        let (low, high) =
-            finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+        let [low, high] = range(values.into_iter().filter(|value| value.is_finite()));
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
         let margin = if high > low { MARGIN * (high - low) } else { (0.1 * high.abs()).max(1.0) };
         Self::exactly(title, low - margin, high + margin)

@@ -2,6 +2,7 @@
 
 mod input;
 
+use identification::statistics::range;
 use maud::{Markup, html};
 
 pub use input::{Drift, Trend, TrendGroup, TrendParameter, TrendPoint};
@@ -156,10 +157,8 @@ fn row(group: &TrendGroup, one: &TrendParameter) -> Markup {
 fn figures(groups: &[TrendGroup], name: &str) -> Vec<Figure> {
     let points = || of_name(groups, name).flat_map(|(_, one)| &one.points);
     let days = points().map(|point| point.days).fold(0.0, f64::max);
-    let ends = || points().flat_map(|point| point.ci95.unwrap_or([point.value; 2]));
+    let [lowest, highest] = range(points().flat_map(|point| point.ci95.unwrap_or([point.value; 2])));
     let bar = BAR * days.max(f64::MIN_POSITIVE);
-    let (lowest, highest) =
-        ends().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), end| (low.min(end), high.max(end)));
     let least = 2.0 * BAR * (highest - lowest);
     let draw = |(group, one): (&TrendGroup, &TrendParameter)| {
         let interval = |point: &TrendPoint| {
@@ -177,7 +176,7 @@ fn figures(groups: &[TrendGroup], name: &str) -> Vec<Figure> {
         let plot = Plot {
             size: THIRD,
             x: Axis::around("days", [-2.0 * bar, days + 2.0 * bar]),
-            y: Axis::around(&format!("{name} ({})", one.unit), ends().chain(lines)),
+            y: Axis::around(&format!("{name} ({})", one.unit), [lowest, highest].into_iter().chain(lines)),
             layers,
         };
         Figure {

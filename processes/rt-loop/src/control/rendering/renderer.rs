@@ -5,7 +5,7 @@ use dynamics::Calibration;
 use hal::Measurement;
 use shared_types::Sample;
 
-use super::super::servo::notch;
+use super::super::servo::{across_ticks, notch};
 use super::cross_fade::CrossFade;
 use super::gains::RenderGains;
 use super::passivity::{PassivityObserver, Tick};
@@ -71,6 +71,9 @@ pub struct Renderer {
     knob: VirtualKnob,
     /// Slow part of the angle by which the rotor is ahead of the body, rad.
     given_way_rad: f64,
+    /// What the filters were given last.
+    hand_mnm: f64,
+    spring_mnm: f64,
     observer: PassivityObserver,
     previous_angle_rad: Option<f64>,
 }
@@ -96,6 +99,8 @@ impl Renderer {
             fade: CrossFade::new(model),
             knob: VirtualKnob::at_rest(0.0),
             given_way_rad: 0.0,
+            hand_mnm: 0.0,
+            spring_mnm: 0.0,
             observer: PassivityObserver::new(gains.slack, gains.damping),
             previous_angle_rad: None,
         })
@@ -139,11 +144,15 @@ impl Renderer {
             - self.previous_angle_rad.replace(measurement.angle_rad).unwrap_or(measurement.angle_rad);
         let correction_mnm = self.observer.correction_mnm(way_rad, step_s);
         // The sensor reads what the rig puts into the gripper; the hand puts in the opposite.
-        let slow_mnm = self.slow.run(self.torque_zero_mnm - measurement.torque_mnm);
+        let hand_mnm = self.torque_zero_mnm - measurement.torque_mnm;
+        let slow_mnm = across_ticks(elapsed_ticks, self.hand_mnm, hand_mnm, |input| self.slow.run(input));
         let ahead_rad = measurement.angle_rad + self.gains.lead_s * velocity_rad_s - start_rad;
         self.given_way_rad += taken_in(self.gains.place_edge_hz, step_s) * (ahead_rad - self.given_way_rad);
         let spring_mnm = self.gains.stiffness_mnm_rad * ahead_rad + self.gains.damping * (velocity_rad_s - start_rad_s);
-        let coupling_mnm = self.notch.as_mut().map_or(spring_mnm, |notch| notch.run(spring_mnm));
+        let coupling_mnm = self.notch.as_mut().map_or(spring_mnm, |notch| {
+            across_ticks(elapsed_ticks, self.spring_mnm, spring_mnm, |input| notch.run(input))
+        });
+        (self.hand_mnm, self.spring_mnm) = (hand_mnm, spring_mnm);
         // The body feels no more than the motor can pass on: otherwise a clipped command would give out energy.
         let drive_mnm = (slow_mnm + coupling_mnm).clamp(-self.motor_torque_mnm, self.motor_torque_mnm);
         let forces = self.fade.forces();
