@@ -1,8 +1,8 @@
 //! Several captures made into one model: narrower intervals that still hold, wider ones where captures disagree.
 
 use crate::common::{SLIDING, run, true_value};
-use dynamics::{Drive, Model, knobs};
-use identification::{Fit, average, fit};
+use dynamics::{Drive, Effect, Model, effects, knobs};
+use identification::{Fit, FitOptions, average, fit};
 
 fn fitted(knob: &Model, sweep: &str, seed: u64) -> Fit {
     let capture = run(knob, sweep, Drive::Position, None, 8.0, seed);
@@ -51,6 +51,21 @@ fn captures_of_different_knobs_are_told_apart_and_widen_the_intervals() {
     assert!(low < 0.035 && 0.049 < high, "the interval {low} to {high} spans both knobs");
     assert!(mean.repeatability["inertia"].ratio > 5.0);
     assert!(mean.fit.notes.iter().any(|note| note.contains("are they of the same knob")), "{:?}", mean.fit.notes);
+}
+
+#[test]
+fn the_mean_has_the_effects_of_every_capture() {
+    let knob = knobs::paper_knob(4).unwrap();
+    let with_detents = fitted(&knob, "linear-chirp", 1);
+    let capture = run(&knob, "stepped-amplitude", Drive::Position, None, 8.0, 2);
+    let offset = Effect::new(&effects::torque_offset::KIND, &[0.0]);
+    let options = FitOptions { without_detents: true, further_effects: vec![offset], ..capture.options() };
+    let with_offset = fit(&capture.samples(), &options).unwrap();
+    for fits in [[with_detents.clone(), with_offset.clone()], [with_offset, with_detents]] {
+        let model = average(&fits).unwrap().model("mean");
+        let has = |name: &str| model.effects.iter().any(|effect| effect.kind().name == name);
+        assert!(has("detent") && has("torque-offset"));
+    }
 }
 
 #[test]

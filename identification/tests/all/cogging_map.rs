@@ -104,6 +104,36 @@ fn a_stepped_map_tells_exactly_the_sinusoids_that_it_was_made_of() {
 }
 
 #[test]
+fn rests_wraps_and_a_misread_angle_do_not_change_a_map() {
+    let mut random = Uniform(21);
+    let plain = stepped(&[(0.0, 6.3), (6.3, 0.0)], [9.0, 11.0], &[[12.0, 20.0, 0.4]], &mut random);
+    let mut disturbed = plain.clone();
+    // Five seconds in mid-travel, and ten after the motor was switched off.
+    let middle = disturbed.t_s.len() / 4;
+    let rest = |capture: &mut Capture, at: usize, samples: usize| {
+        let (time_s, angle_rad) = (capture.t_s[at - 1], capture.angle_rad[at - 1]);
+        let resting = (1..=samples).map(|sample| time_s + 1e-3 * sample as f64);
+        capture.t_s[at..].iter_mut().for_each(|time| *time += 1e-3 * samples as f64);
+        capture.t_s.splice(at..at, resting);
+        capture.angle_rad.splice(at..at, vec![angle_rad; samples]);
+        capture.torque_mnm.splice(at..at, (0..samples).map(|sample| 0.1 * (sample as f64).sin()));
+    };
+    rest(&mut disturbed, middle, 5_000);
+    let end = disturbed.t_s.len();
+    rest(&mut disturbed, end, 10_000);
+    disturbed.angle_rad.iter_mut().for_each(|angle| *angle = (*angle + 2.0).rem_euclid(TAU));
+    disturbed.angle_rad[1000] += 1.0;
+    let fit = fit(&disturbed.samples(), &FitOptions::default()).unwrap();
+    for (name, truth) in [("coulomb_negative", 9.0), ("coulomb_positive", 11.0)] {
+        assert!((value(&fit, name) - truth).abs() < 0.3, "{name}: {}", value(&fit, name));
+    }
+    assert!((value(&fit, "detent_amplitude") / 20.0 - 1.0).abs() < 0.05);
+    for words in ["begins anew after a turn", "the angle that stand out from all around them: 1;"] {
+        assert!(fit.notes.iter().any(|note| note.contains(words)), "{:?}", fit.notes);
+    }
+}
+
+#[test]
 fn part_of_a_turn_tells_a_wavenumber_that_is_no_whole_number() {
     for seed in 1..=10 {
         let mut random = Uniform(seed * 0x9e37_79b9_7f4a_7c15);

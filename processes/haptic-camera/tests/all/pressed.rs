@@ -241,8 +241,6 @@ fn what_is_only_for_a_rotary_axis_is_refused_with_what_to_do_instead() {
         assert!(said.contains("has a linear axis") && said.ends_with("export its force over travel as .csv"), "{said}");
     }
     assert_eq!(std::fs::read_to_string(folder.join("robot.xml")).unwrap(), robot);
-    let said = refused(folder, "table pressed turned --out both.parquet");
-    assert!(said.contains("some captures are rotary and some linear; give one kind"), "{said}");
 }
 
 #[test]
