@@ -10,7 +10,7 @@ use shared_types::Axis;
 /// Gram-force, N.
 const GF: f64 = 9.806_65e-3;
 
-fn read(name: &str, text: impl AsRef<[u8]>, choice: Option<&ColumnChoice>) -> Result<Curve, String> {
+fn read(name: &str, text: &(impl AsRef<[u8]> + ?Sized), choice: Option<&ColumnChoice>) -> Result<Curve, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, text).unwrap();
@@ -120,13 +120,13 @@ fn a_table_is_read_as_spreadsheets_and_scripts_write_it() {
     let windows_1252: Vec<u8> = german.chars().map(|letter| u8::try_from(u32::from(letter)).unwrap()).collect();
     let utf_16: Vec<u8> = std::iter::once(0xfeff).chain(german.encode_utf16()).flat_map(u16::to_le_bytes).collect();
     for bytes in [german.clone().into_bytes(), windows_1252, utf_16] {
-        let curve = read("bench.csv", bytes, Some(&named)).unwrap();
+        let curve = read("bench.csv", &bytes, Some(&named)).unwrap();
         assert!((curve.position[2] - 2.5_f64.to_radians()).abs() < 1e-12 && (curve.load[2] - 250.0).abs() < 1e-12);
     }
     // What stands above and below the rows decides nothing.
     let head = "Bench 7; Monday, with tea\nDate,21,11,2024\nLimits,0.5,10\n";
     let text = table(&format!("{head}Zeit [s],Winkel [°],M [Nm]\n"), |n| format!("0.{n:03},{n},0.25"));
-    let curve = read("bench.csv", format!("{text}end of file\n"), Some(&named)).unwrap();
+    let curve = read("bench.csv", &format!("{text}end of file\n"), Some(&named)).unwrap();
     assert_eq!((curve.len(), curve.load[19]), (20, 250.0));
     // As `numpy.savetxt` writes it.
     for header in ["", "# t angle torque\n"] {

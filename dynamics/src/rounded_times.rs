@@ -87,7 +87,7 @@ fn line(ticks: &[f64], time_s: &[f64]) -> Option<[f64; 2]> {
         product += (tick - mean_tick) * (time - mean_s);
     }
     let period_s = product / square;
-    (period_s > 0.0 && period_s.is_finite()).then(|| [mean_s - mean_tick * period_s, period_s])
+    (period_s > 0.0 && period_s.is_finite()).then_some([mean_s - mean_tick * period_s, period_s])
 }
 
 #[cfg(test)]
@@ -105,7 +105,8 @@ mod tests {
         for (rate_hz, decimals) in
             [(99.0, 2), (670.0, 3), (700.0, 3), (860.0, 3), (990.0, 3), (7000.0, 4), (8192.0, 4), (96.7, 3)]
         {
-            let even = even_times(&written(rate_hz, decimals, 20_000, |_| false)).unwrap();
+            let even = even_times(&written(rate_hz, decimals, 20_000, |_| false)).unwrap_or_default();
+            assert_eq!(even.len(), 20_000, "{rate_hz}");
             for pair in even.windows(2) {
                 assert!(((pair[1] - pair[0]) * rate_hz - 1.0).abs() < 1e-4, "{rate_hz}");
             }
@@ -115,7 +116,7 @@ mod tests {
     #[test]
     fn samples_that_are_missing_leave_gaps_of_whole_periods() {
         let is_lost = |tick: u32| tick % 997 == 400 || (7000..7100).contains(&tick);
-        let even = even_times(&written(860.0, 3, 20_000, is_lost)).unwrap();
+        let even = even_times(&written(860.0, 3, 20_000, is_lost)).unwrap_or_default();
         let missing: f64 = even.windows(2).map(|pair| ((pair[1] - pair[0]) * 860.0).round() - 1.0).sum();
         assert!(
             (missing - f64::from((0..20_000).filter(|tick| is_lost(*tick)).count() as u32)).abs() < 0.5,

@@ -118,9 +118,8 @@ struct Squares {
 impl Squares {
     fn of(values: &[Vec<Vec<f64>>], counts: [usize; 3]) -> Self {
         let [o, p, r] = counts.map(|count| count as f64);
-        let cells: Vec<Vec<f64>> =
-            values.iter().map(|parts| parts.iter().map(|trials| mean(trials)).collect()).collect();
-        let operators: Vec<f64> = cells.iter().map(|cells| mean(cells)).collect();
+        let cells: Vec<Vec<f64>> = values.iter().map(|parts| parts.iter().map(mean).collect()).collect();
+        let operators: Vec<f64> = cells.iter().map(mean).collect();
         let parts: Vec<f64> = (0..counts[1]).map(|part| mean(cells.iter().map(|cells| cells[part]))).collect();
         let grand = mean(&operators);
         let square = |value: f64, about: f64| (value - about).powi(2);
