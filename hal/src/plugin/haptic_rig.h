@@ -93,7 +93,8 @@ void haptic_rig_disable(void *rig);
  * units of the rig file's [channels.motor]; a library with haptic_rig_write_torque ignores it. */
 int32_t haptic_rig_exchange(void *rig, uint64_t due_ns, double torque, haptic_rig_measurement *measurement);
 
-/* OPTIONAL. Sets the motor's torque at once: for a card that can write between two readings, and is a period faster by it. */
+/* OPTIONAL. Sets the motor's torque at once: for a card that can write between two readings, and is a period faster by it. A code ends
+ * the run, even if the sensors can be read. */
 int32_t haptic_rig_write_torque(void *rig, double torque);
 
 /* Frees the rig. */

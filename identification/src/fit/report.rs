@@ -367,7 +367,7 @@ fn negative_friction(parameters: &Parameters) -> Option<String> {
 }
 
 /// [`one_sided_friction`] of levels that differ beyond their intervals.
-fn one_sided_friction_of(parameters: &Parameters) -> Option<String> {
+pub(crate) fn one_sided_friction_of(parameters: &Parameters) -> Option<String> {
     let known = |name: &str| parameters.get(name).and_then(|parameter| parameter.value.zip(parameter.ci95));
     let ((negative, [low, high]), (positive, [from, to])) = (known("coulomb_negative")?, known("coulomb_positive")?);
     if low > to || from > high { one_sided_friction([negative, positive]) } else { None }

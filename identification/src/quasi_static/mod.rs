@@ -10,7 +10,7 @@ mod map;
 use dynamics::{Effect, ParameterKind, effects};
 
 use crate::estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
-use crate::fit::report::prediction_sd;
+use crate::fit::report::{one_sided_friction_of, prediction_sd};
 use crate::numerics::statistics::{NORMAL_95, interval, mean, noise_deviation};
 use crate::options::FitOptions;
 use crate::preparation::uniform::typical_step;
@@ -81,10 +81,12 @@ impl Fitted {
         map: &Map,
         frictions: &[Friction],
         no_detents: &str,
-        notes: Vec<String>,
+        mut notes: Vec<String>,
     ) -> Fit {
+        let parameters = self.parameters(map, frictions, no_detents);
+        notes.extend(one_sided_friction_of(&parameters));
         Fit {
-            parameters: self.parameters(map, frictions, no_detents),
+            parameters,
             mean_ci95_textbook_mnm: NORMAL_95 * mean(prediction_sd(&self.sums.columns, &self.estimate.textbook)),
             samples: samples.t_s.len(),
             detent_harmonics: self.harmonics.clone(),
