@@ -25,18 +25,19 @@ pub(crate) fn load(path: &Path) -> Result<Capture, ArchiveError> {
             (column.store)(&mut capture, Values::Reals(values.into()));
         }
     }
+    // A program writes as many decimals as it was told to.
+    if let Some(even_s) = dynamics::even_times(&capture.t_s) {
+        capture.t_s = even_s;
+    }
     count(&mut capture);
     Ok(capture)
 }
 
 /// Sets rate, `seq` and ticks from the times of the rows.
 pub(crate) fn count(capture: &mut Capture) {
-    let even_s = dynamics::even_times(&capture.t_s);
-    let t_s = even_s.as_deref().unwrap_or(&capture.t_s);
-    let rate_hz = rate_hz(t_s);
-    capture.tick = ticks(t_s, rate_hz);
+    capture.rate_hz = rate_hz(&capture.t_s);
     capture.seq = (0..capture.t_s.len() as u64).collect();
-    capture.rate_hz = rate_hz;
+    capture.tick = ticks(&capture.t_s, capture.rate_hz);
 }
 
 /// Bytes at the beginning of a table that hold the names of all columns.

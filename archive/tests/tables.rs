@@ -132,6 +132,22 @@ fn content_and_not_the_name_tells_an_archive_from_a_table() {
 }
 
 #[test]
+fn times_that_were_rounded_are_those_of_an_even_clock() {
+    let bench = Bench::new();
+    for (rate_hz, decimals) in [(700.0, 3), (860.0, 3), (7000.0, 4)] {
+        let mut table = "t_s,angle_rad,torque_mnm\n".to_owned();
+        for tick in 0..2000 {
+            let time_s = f64::from(tick) / rate_hz;
+            table += &format!("{time_s:.decimals$},{tick},1\n");
+        }
+        let capture = Capture::load(&bench.put("rounded.csv", table)).unwrap();
+        assert!((capture.rate_hz / rate_hz - 1.0).abs() < 1e-4, "{} for {rate_hz} Hz", capture.rate_hz);
+        assert_eq!((capture.tick[1999], capture.ticks_without_sample()), (1999, 0));
+        assert!(capture.t_s.windows(2).all(|pair| ((pair[1] - pair[0]) * rate_hz - 1.0).abs() < 1e-4));
+    }
+}
+
+#[test]
 fn a_truncated_archive_leads_to_recover_at_every_length() {
     let bench = Bench::new();
     let file = common::recording(0..60, 20);

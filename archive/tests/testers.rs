@@ -126,8 +126,16 @@ fn a_table_is_read_as_spreadsheets_and_scripts_write_it() {
     // What stands above and below the rows decides nothing.
     let head = "Bench 7; Monday, with tea\nDate,21,11,2024\nLimits,0.5,10\n";
     let text = table(&format!("{head}Zeit [s],Winkel [°],M [Nm]\n"), |n| format!("0.{n:03},{n},0.25"));
-    let curve = read("bench.csv", &format!("{text}end of file\n"), Some(&named)).unwrap();
+    let curve = read("bench.csv", &format!("{text}Samples,20\nend of file\n"), Some(&named)).unwrap();
     assert_eq!((curve.len(), curve.load[19]), (20, 250.0));
+    // A row may have more than most, and a name may contain blanks.
+    let text = table("Zeit [s],Winkel [°],M [Nm],Max\n", |n| {
+        if n < 2.0 { format!("{n},{n},1,7") } else { format!("{n},{n},1,") }
+    });
+    assert_eq!(read("bench.csv", &text, Some(&named)).unwrap().len(), 20);
+    let text = table("Zeit (s) Winkel (deg) M Temp\n", |n| format!("{n} {n} 1 20"));
+    let error = read("bench.txt", &text, Some(&choice("angle=Winkel,torque=M"))).unwrap_err();
+    assert!(error.contains("has no column `Winkel`"), "{error}");
     // As `numpy.savetxt` writes it.
     for header in ["", "# t angle torque\n"] {
         let text = table(header, |n| format!("{:.18e} {n:.18e} {:.18e}", 1e-3 * n, 2.0 * n));

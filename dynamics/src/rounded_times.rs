@@ -25,7 +25,7 @@ const BLOCK: usize = 64;
 /// ```
 #[must_use]
 pub fn even_times(time_s: &[f64]) -> Option<Vec<f64>> {
-    let (first_s, last_s) = (*time_s.first()?, *time_s.last()?);
+    let first_s = *time_s.first()?;
     let mut slopes_s: Vec<f64> =
         time_s.windows(BLOCK + 1).step_by(BLOCK).map(|block| (block[BLOCK] - block[0]) / BLOCK as f64).collect();
     slopes_s.sort_by(f64::total_cmp);
@@ -34,6 +34,10 @@ pub fn even_times(time_s: &[f64]) -> Option<Vec<f64>> {
         return None;
     }
     let unit_s = decimal_unit_s(time_s, typical_s)?;
+    let counted: Vec<f64> = (0..time_s.len()).map(|tick| tick as f64).collect();
+    if let Some(even_s) = near_line(&counted, time_s, unit_s, 1.0) {
+        return Some(even_s);
+    }
     // Rounding changes a block's slope by a unit at most, a missing sample by a period; the mean of the others is fine.
     slopes_s.retain(|slope_s| (slope_s - typical_s).abs() * (BLOCK as f64) < 1.5 * unit_s.min(typical_s));
     let period_s = slopes_s.iter().sum::<f64>() / slopes_s.len() as f64;
@@ -51,12 +55,19 @@ pub fn even_times(time_s: &[f64]) -> Option<Vec<f64>> {
         offset_s += deviation_s.clamp(-unit_s, unit_s) * FOLLOWED;
         ticks.push(tick);
     }
-    let [start_s, period_s] = line(&ticks, time_s)?;
+    near_line(&ticks, time_s, unit_s, NEARLY_ALL)
+}
+
+/// The times of the straight line over the ticks; `None` unless at least such a share of the times lies near it. A jitter of the same width fills
+/// the rounding's in the same way, and the even clock is then as good as any other.
+fn near_line(ticks: &[f64], time_s: &[f64], unit_s: f64, share: f64) -> Option<Vec<f64>> {
+    let [start_s, period_s] = line(ticks, time_s)?;
     let even = |tick: &f64| start_s + tick * period_s;
     let is_near = |(time, tick): &(&f64, &f64)| (*time - even(tick)).abs() < WITHIN * unit_s;
-    let near = time_s.iter().zip(&ticks).filter(is_near).count();
-    // A jitter of the same width fills it in the same way, and the even clock is then as good as any other.
-    (near as f64 > NEARLY_ALL * time_s.len() as f64 && last_s > first_s).then(|| ticks.iter().map(even).collect())
+    let near = time_s.iter().zip(ticks).filter(is_near).count();
+    let farthest_s = time_s.iter().zip(ticks).map(|(time, tick)| (time - even(tick)).abs()).fold(0.0, f64::max);
+    (farthest_s > FINE * period_s && near as f64 >= share * time_s.len() as f64)
+        .then(|| ticks.iter().map(even).collect())
 }
 
 /// The coarsest power of ten of which all times are multiples, s; `None` if that is fine beside the period.
@@ -110,6 +121,15 @@ mod tests {
             for pair in even.windows(2) {
                 assert!(((pair[1] - pair[0]) * rate_hz - 1.0).abs() < 1e-4, "{rate_hz}");
             }
+        }
+    }
+
+    #[test]
+    fn a_short_record_is_even_too() {
+        for (samples, rate_hz) in [(100, 860.0), (300, 860.0), (300, 990.0), (500, 960.0)] {
+            let even = even_times(&written(rate_hz, 3, samples, |_| false)).unwrap_or_default();
+            let length_s = even.last().unwrap_or(&0.0) - even.first().unwrap_or(&0.0);
+            assert!((length_s * rate_hz / f64::from(samples - 1) - 1.0).abs() < 0.01, "{samples} at {rate_hz} Hz");
         }
     }
 

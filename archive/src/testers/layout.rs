@@ -58,7 +58,7 @@ impl Layout {
         let of = |source: Source| table.column(source.column, source.factor);
         let t_s = match self.time {
             Time::None => None,
-            Time::Column(source) => Some(of(source)?),
+            Time::Column(source) => of(source).map(|t_s| Some(dynamics::even_times(&t_s).unwrap_or(t_s)))?,
             Time::Clock(column) => {
                 Some(unwrapped(table.cells(column, clock_s, "a time as minutes.seconds.fraction")?))
             }

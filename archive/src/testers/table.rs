@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::cmp::Reverse;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -63,12 +63,14 @@ impl RawTable {
         let first = table.first_row(&records);
         let mut rows = records.split_off(first);
         // What stands below the rows is passed over.
-        while rows.pop_if(|record| table.numbers(record) == 0).is_some() {}
+        while rows.pop_if(|record| table.numbers(record) < 2).is_some() {}
         table.rows = rows;
         let is_header =
             |record: &mut csv::StringRecord| record.len() > 1 && !record.iter().any(|cell| cell.contains('='));
-        let header = records.pop_if(is_header).or_else(|| {
-            let cells = table.rows.first()?.len();
+        let cells = table.rows.first().map_or(0, csv::StringRecord::len);
+        // Names that contain blanks cannot be told apart among blanks.
+        let is_whole = |record: &csv::StringRecord| separator != BLANKS || record.len() == cells;
+        let header = records.pop_if(is_header).filter(is_whole).or_else(|| {
             let above = comments.iter().rev().find(|(at, _)| *at <= first)?;
             Some(uncommented(&above.1)).filter(|record| record.len() == cells)
         });
@@ -81,9 +83,10 @@ impl RawTable {
     /// The first of the rows: numbers stand in the same places of nearly all, and may be missing in some.
     fn first_row(&self, records: &[csv::StringRecord]) -> usize {
         let places = |record: &csv::StringRecord| -> Vec<bool> {
-            record.iter().map(|cell| self.number(cell).is_some()).collect()
+            let filled = (0..record.len()).rev().find(|at| !record[*at].is_empty()).map_or(0, |last| last + 1);
+            record.iter().take(filled).map(|cell| self.number(cell).is_some()).collect()
         };
-        let mut kinds: HashMap<Vec<bool>, usize> = HashMap::new();
+        let mut kinds: BTreeMap<Vec<bool>, usize> = BTreeMap::new();
         for record in records.iter().take(LOOKED_AT).filter(|record| self.numbers(record) > 1) {
             *kinds.entry(places(record)).or_default() += 1;
         }
@@ -91,7 +94,9 @@ impl RawTable {
         let first = records.iter().position(|record| places(record) == typical).unwrap_or(records.len());
         let is_row = |record: &&csv::StringRecord| {
             let places = places(record);
-            places.len() == typical.len() && places.iter().zip(&typical).all(|(here, usual)| here <= usual)
+            let has_fewer =
+                places.len() == typical.len() && places.iter().zip(&typical).all(|(here, usual)| here <= usual);
+            has_fewer || places.len() >= typical.len() && typical.iter().zip(&places).all(|(usual, here)| usual <= here)
         };
         first - records[..first].iter().rev().take_while(|record| self.numbers(record) > 1 && is_row(record)).count()
     }

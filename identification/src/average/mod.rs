@@ -154,9 +154,10 @@ pub fn average(fits: &[Fit]) -> Option<Average> {
     mean.back_to_zero(common_angle_rad);
 
     let mut fit = most.clone();
-    // Another capture may show an effect that this one does not, such as detents or stick.
+    // Another capture may show an effect that this one does not, such as detents or stick; a measured curve has them in it.
+    let are_curves = fits.iter().any(|one| !one.characteristics.is_empty());
     for effect in fits.iter().flat_map(Fit::effects) {
-        if fit.effects.iter().all(|known| known.kind().name != effect.kind().name) {
+        if !are_curves && fit.effects.iter().all(|known| known.kind().name != effect.kind().name) {
             fit.effects.push(*effect);
         }
     }

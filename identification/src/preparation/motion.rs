@@ -108,7 +108,11 @@ impl KnobMotion {
         calibration: Option<&Calibration>,
         acceleration_use: AccelerationUse,
     ) -> Self {
-        if acceleration_use != AccelerationUse::Best && uniform.acceleration_rad_s2.is_some() {
+        // A band with a clear edge is the encoder's already.
+        if acceleration_use != AccelerationUse::Best
+            && uniform.acceleration_rad_s2.is_some()
+            && band.clear_hz.is_infinite()
+        {
             *band = band.of_encoder(uniform);
         }
         let rate_hz = uniform.rate_hz;
@@ -211,8 +215,6 @@ impl KnobMotion {
 /// [`FitError`] for samples that are not a capture of a motion.
 pub fn knob_motion(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Result<Vec<Motion>, FitError> {
     samples.check()?;
-    let even_s = dynamics::even_times(samples.t_s);
-    let samples = &Samples { t_s: even_s.as_deref().unwrap_or(samples.t_s), ..*samples };
     let mut uniform = Uniform::of(samples, calibration);
     let exact = KnobMotion::exact(&mut uniform, calibration);
     let mut band = Band::of(&uniform, exact.is_some(), calibration);

@@ -48,12 +48,7 @@ impl Uniform {
     /// Places checked samples on a grid of their median period.
     pub(crate) fn of(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Self {
         let (whole, wraps) = unwrapped(samples.angle_rad).unzip();
-        let even_s = dynamics::even_times(samples.t_s);
-        let samples = &Samples {
-            t_s: even_s.as_deref().unwrap_or(samples.t_s),
-            angle_rad: whole.as_deref().unwrap_or(samples.angle_rad),
-            ..*samples
-        };
+        let samples = &Samples { angle_rad: whole.as_deref().unwrap_or(samples.angle_rad), ..*samples };
         let (readings, note) = own_readings(samples).unzip();
         let samples = &readings.as_ref().map_or(*samples, PickedSamples::samples);
         let (angle_rad, of_angle) = without_outliers(samples.angle_rad, "angle").unzip();

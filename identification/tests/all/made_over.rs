@@ -121,22 +121,6 @@ fn jitter_that_the_times_tell_does_not_flatten_detents() {
 }
 
 #[test]
-fn times_that_were_rounded_are_those_of_an_even_clock() {
-    for (rate_hz, unit_s) in [(700.0, 1e-3), (860.0, 1e-3), (960.0, 1e-3), (7000.0, 1e-4)] {
-        let even_s: Vec<f64> = (0..(10.0 * rate_hz) as usize).map(|index| real(index) / rate_hz).collect();
-        let [angle, mut torque] = with_detents(&even_s);
-        let mut random = Uniform(5);
-        torque.iter_mut().for_each(|torque| *torque += 0.05 * random.normal());
-        let rounded_s = even_s.iter().map(|time| (time / unit_s).round() * unit_s).collect();
-        let [rounded, even] = [rounded_s, even_s].map(|t_s| fitted(&[t_s, angle.clone(), torque.clone()]));
-        for name in ["inertia", "coulomb_positive", "detent_amplitude"] {
-            let [found, expected] = [&rounded, &even].map(|fit| fit.parameters.get(name).unwrap().value.unwrap());
-            assert!((found / expected - 1.0).abs() < 1e-3, "{rate_hz} Hz: {name} {found} for {expected}");
-        }
-    }
-}
-
-#[test]
 fn a_low_pass_in_the_torque_is_part_of_the_interval_of_detents() {
     const LAG_S: f64 = 1.3e-3;
     const STEPS: usize = 20;

@@ -203,6 +203,11 @@ impl ControlState {
                 self.enter(LoopState::Running);
                 true
             }
+            // Nothing was read yet, and no torque given.
+            (Request::Stop, LoopState::Armed) if self.tick == 0 => {
+                self.enter(LoopState::Idle);
+                true
+            }
             (Request::Stop, LoopState::Armed | LoopState::Running) => {
                 self.release_torque_mnm = self.last_torque_mnm;
                 self.enter(LoopState::Stopping);
@@ -264,7 +269,7 @@ impl ControlState {
                     return self.fail(fault, &measurement);
                 }
                 let time_s = self.seconds(self.tick);
-                if time_s >= STOPPING_S {
+                if time_s >= if self.holds() { STOPPING_S } else { RELEASE_S } {
                     self.enter(LoopState::Idle);
                     return StepOutput { torque_mnm: 0.0, sample: None };
                 }
@@ -321,7 +326,8 @@ impl ControlState {
             let rendered = renderer.step(&StepInput {
                 measurement,
                 velocity_rad_s: self.tracked.difference_rad_s(),
-                elapsed_ticks,
+                // As it is recorded: what passed before the run is no part of it.
+                elapsed_ticks: self.missed_ticks + 1,
                 time_s,
                 step_s,
             });

@@ -141,7 +141,7 @@ impl TickLoop {
         // Touch every page of the ring now, so that the loop does not fault them in one by one.
         while sample_producer.push(Sample::default()).is_ok() {}
         while sample_consumer.pop().is_ok() {}
-        let shared = Arc::new(SharedState::default());
+        let shared = Arc::new(SharedState { angle_bits: AtomicU64::new(f64::NAN.to_bits()), ..SharedState::default() });
         let (models, model_port) = ModelEnds::new();
         let ends = LoopEnds { samples: sample_producer, requests: request_consumer, models, records: None };
         let port = LoopPort {
