@@ -14,9 +14,7 @@ const FOLLOWED: f64 = 0.004;
 const BLOCK: usize = 64;
 
 /// The times of the even clock behind times that were rounded to decimals, as milliseconds of a sensor that is read 860 times a second are; `None`
-/// if they were not rounded, or not by a clock that is even but for missing samples.
-///
-/// `time_s` must rise.
+/// if they were not rounded, or not by a clock that is even but for missing samples, and for times that do not rise.
 ///
 /// ```
 /// let written: Vec<f64> = (0..1000).map(|tick| (f64::from(tick) / 0.86).round() * 1e-3).collect();
@@ -26,6 +24,9 @@ const BLOCK: usize = 64;
 #[must_use]
 pub fn even_times(time_s: &[f64]) -> Option<Vec<f64>> {
     let first_s = *time_s.first()?;
+    if time_s.windows(2).any(|pair| pair[1] <= pair[0]) {
+        return None;
+    }
     let mut slopes_s: Vec<f64> =
         time_s.windows(BLOCK + 1).step_by(BLOCK).map(|block| (block[BLOCK] - block[0]) / BLOCK as f64).collect();
     slopes_s.sort_by(f64::total_cmp);
