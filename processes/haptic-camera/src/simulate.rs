@@ -47,12 +47,8 @@ pub fn run(options: &SimulateOptions) -> anyhow::Result<()> {
     say(model.axis.words(&differs));
     if let Some(out) = &options.out {
         if options.writes_table() {
-            if let Some(calibration) = capture.write_csv(out)? {
-                say(format!(
-                    "{}: the gripper that turns with the knob, which `fit` reads along with the table",
-                    calibration.display()
-                ));
-            }
+            // The columns alone: a table does not tell the gripper's inertia, which counts as the knob's.
+            capture.capture.write_csv(out)?;
         } else {
             whole_file::write_whole(out, kind::SIMULATION, |place| capture.write_mcap_to(place))?;
         }
