@@ -16,7 +16,7 @@ pub struct Export<Content = String> {
     pub left_out: Vec<String>,
 }
 
-/// A model of what is pressed or slid, which is not written in a format for what turns.
+/// A model of a pressed or sliding control, in a format for rotary joints.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the model '{0}' has a linear axis, and this format is for a rotary one; export its force over travel as .csv")]
 pub struct LinearAxis(String);

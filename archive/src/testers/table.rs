@@ -68,7 +68,7 @@ impl RawTable {
         let is_header =
             |record: &mut csv::StringRecord| record.len() > 1 && !record.iter().any(|cell| cell.contains('='));
         let cells = table.rows.first().map_or(0, csv::StringRecord::len);
-        // Names that contain blanks cannot be told apart among blanks.
+        // Where blanks separate cells, a name with a blank in it looks like two names.
         let is_whole = |record: &csv::StringRecord| separator != BLANKS || record.len() == cells;
         let header = records.pop_if(is_header).filter(is_whole).or_else(|| {
             let above = comments.iter().rev().find(|(at, _)| *at <= first)?;

@@ -12,6 +12,7 @@ use archive::whole_file::Replace;
 use clap::Args;
 use dynamics::Axis;
 use hal::RigFile;
+use identification::statistics::range;
 use identification::{AccelerationUse, FitOptions, Samples, encoder_step};
 use loaded_capture::LoadedCapture;
 use rt_loop::request::RunRequest;
@@ -263,8 +264,8 @@ fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> 
 /// What a try tells; `None` where the knob hardly moved.
 fn find(loaded: &LoadedCapture) -> Option<Found> {
     let capture = &loaded.capture;
-    let angles = || capture.angle_rad.iter().copied();
-    let moved_rad = angles().fold(f64::MIN, f64::max) - angles().fold(f64::MAX, f64::min);
+    let [lowest_rad, highest_rad] = range(&capture.angle_rad);
+    let moved_rad = highest_rad - lowest_rad;
     if moved_rad < ENOUGH_RAD * capture.axis.fingertip_travel() {
         return None;
     }
