@@ -44,6 +44,9 @@ pub struct Channel {
     /// Time by which the channel is late, s.
     #[serde(default)]
     pub delay_s: f64,
+    /// What an encoder counts until it begins anew, in units of the device: 4096 for one of 12 bits that counts within one turn.
+    #[serde(default)]
+    pub wraps_at: Option<f64>,
 }
 
 /// The torque's channel.
@@ -161,7 +164,9 @@ pub struct Wiring {
     /// The contact is closed where this is above zero.
     contact: Option<Wire>,
     motor: Scaling,
-    /// The newest values of the device's channels.
+    /// What the angle's channel counts until it begins anew, in units of the device.
+    angle_wraps_at: Option<f64>,
+    /// The newest values of the device's channels, the angle's without its jumps.
     newest: [f64; MOST_CHANNELS],
     angle_delay_s: f64,
     /// Part of the torque's delay that the driver adds by itself, s.
@@ -204,9 +209,10 @@ impl Channels {
             sign: torque.sign,
             offset: torque.offset,
             delay_s: torque.delay_s,
+            wraps_at: None,
         };
         let of_motor =
-            Channel { source: String::new(), scale: motor.scale, sign: motor.sign, offset: motor.offset, delay_s: 0.0 };
+            Channel { delay_s: 0.0, scale: motor.scale, sign: motor.sign, offset: motor.offset, ..of_torque.clone() };
         let checked = |channel, key, value, permitted, requirement| match permitted {
             true => Ok(()),
             false => Err(ChannelError::OutOfRange { channel, key, value, requirement }),
@@ -217,12 +223,16 @@ impl Channels {
         }
         let channels = [("angle", Some(angle)), ("torque", Some(&of_torque)), ("acceleration", acceleration.as_ref())];
         for (channel, found) in channels.into_iter().chain([("motor", Some(&of_motor))]) {
-            let Some(Channel { scale, sign, offset, delay_s, .. }) = found else { continue };
+            let Some(Channel { scale, sign, offset, delay_s, wraps_at, source: _ }) = found else { continue };
             let check = |key, value, permitted, requirement| checked(channel, key, value, permitted, requirement);
             check("scale", *scale, scale.is_finite() && *scale > 0.0, "above zero, and finite; `sign` turns it round")?;
             check("sign", f64::from(*sign), sign.abs() == 1, "1 or -1")?;
             check("offset", *offset, offset.is_finite(), "finite")?;
             check("delay_s", *delay_s, delay_s.abs() < 0.1, "less than 0.1 s either way")?;
+            if let Some(wraps_at) = *wraps_at {
+                let is_count = channel == "angle" && wraps_at > 0.0 && wraps_at.is_finite();
+                check("wraps_at", wraps_at, is_count, "above zero, and finite; only an angle begins anew")?;
+            }
         }
         Ok(())
     }
@@ -266,6 +276,7 @@ impl Channels {
             acceleration: acceleration.as_ref().map(|given| of("acceleration", given)).transpose()?,
             contact: contact.as_ref().map(of_contact).transpose()?,
             motor: *motor,
+            angle_wraps_at: angle.wraps_at,
             newest: [0.0; MOST_CHANNELS],
             angle_delay_s: angle.delay_s,
             known_delay_s: 0.0,
@@ -284,10 +295,16 @@ impl Wiring {
     }
 
     /// Converts a device's reading to a measurement; `torque_mnm` is the motor's torque since the reading before. A channel without a new
-    /// value keeps the one before; a measurement whose angle or torque has no new value is stale.
+    /// value keeps the one before; a measurement whose angle or torque has no new value is stale. An angle that begins anew goes on from the
+    /// reading before, the first from zero, by no more than half of what it counts.
     pub fn measurement(&mut self, raw: &RawMeasurement, torque_mnm: f64) -> Measurement {
         let is_new = self.angle.is_valid(raw) && self.torque.is_none_or(|wire| wire.is_valid(raw));
-        let values = self.newest.iter_mut().zip(raw.values).enumerate();
+        let mut values = raw.values;
+        if let Some(count) = self.angle_wraps_at {
+            let before = self.newest[self.angle.index];
+            values[self.angle.index] += count * ((before - values[self.angle.index]) / count).round();
+        }
+        let values = self.newest.iter_mut().zip(values).enumerate();
         values.filter(|(index, _)| raw.valid & (1 << index) != 0).for_each(|(_, (newest, value))| *newest = value);
         Measurement {
             angle_rad: self.angle.of(&self.newest),
@@ -344,7 +361,7 @@ impl Wiring {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
-    use super::Channels;
+    use super::{Channels, MOST_CHANNELS, RawMeasurement};
 
     #[test]
     fn a_delay_that_repeats_the_half_period_that_the_driver_subtracts_is_reported() {
@@ -357,5 +374,26 @@ mod tests {
         };
         assert!(doubled(5e-4).unwrap().contains("states 0.0005 s"));
         assert_eq!([0.0, 5e-5, -3e-4].map(doubled), [None, None, None]);
+    }
+
+    #[test]
+    fn an_encoder_that_begins_anew_goes_on() {
+        let text = "[angle]\nsource = \"a\"\nscale = 0.5\nwraps_at = 4096\n[torque]\nsource = \"command\"\n[motor]\n";
+        let channels: Channels = toml::from_str(text).unwrap();
+        channels.check().unwrap();
+        let mut wiring = channels.wire(&["a".to_owned()]).unwrap();
+        // Three turns up and back; a reading without a new value in between.
+        let way = (0..200).chain((0..200).rev()).map(|tick| 64.0 * f64::from(tick) + 100.0);
+        for (tick, counts) in way.enumerate() {
+            let mut values = [0.0; MOST_CHANNELS];
+            let is_new = tick % 7 != 3;
+            values[0] = if is_new { counts % 4096.0 } else { 0.0 };
+            let measured = wiring.measurement(&RawMeasurement { values, valid: u32::from(is_new), after_s: 0.0 }, 0.0);
+            assert_eq!(measured.is_stale, !is_new);
+            assert!(measured.is_stale || (measured.angle_rad - 0.5 * counts).abs() < 1e-9, "tick {tick}");
+        }
+        let elsewhere = text.replace("[torque]", "[acceleration]\nsource = \"b\"\nwraps_at = 10\n[torque]");
+        let channels: Channels = toml::from_str(&elsewhere).unwrap();
+        assert!(channels.check().unwrap_err().to_string().contains("only an angle"));
     }
 }

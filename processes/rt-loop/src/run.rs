@@ -95,7 +95,7 @@ pub fn run(request: &RunRequest, registry: Registry<'_>) -> anyhow::Result<()> {
     let control =
         ControlState::new(plan.control, &plan.rig.calibration).context("the rate is too low for the filters")?;
     let description = plan.description()?;
-    plan.servo_remark.iter().for_each(remark);
+    plan.watchdog_remark().iter().chain(&plan.servo_remark).for_each(remark);
     let (control, admission) = match plan.rendering {
         Some(rendering) => {
             rendering.remarks_to_print().for_each(remark);

@@ -19,6 +19,8 @@ pub use rendering::Rendering;
 
 /// Slowest rate at which a knob is captured, Hz: the paper's sweep goes to some hertz, and detents pass tens of times a second.
 const SLOWEST_RATE_HZ: f64 = 500.0;
+/// Of a watchdog that was not read back.
+const UNKNOWN_WATCHDOG: &str = "not read back: unless the amplifier has one, the torque stays on if this program dies";
 
 /// A run ready to be done.
 pub struct Plan {
@@ -78,10 +80,22 @@ impl Plan {
 
     /// What the rig says once it is prepared, and what is to be known of the servo.
     fn notes(&self) -> impl Iterator<Item = (String, String)> {
-        let watchdog_s =
-            self.rig.watchdog_s.map(|timeout_s| ("watchdog".to_owned(), format!("{timeout_s} s, read back")));
+        let watchdog = self.watchdog().map(|said| ("watchdog".to_owned(), said));
         let servo = self.servo_remark.clone().map(|remark| ("servo".to_owned(), remark));
-        watchdog_s.into_iter().chain(servo)
+        watchdog.into_iter().chain(servo)
+    }
+
+    /// What is known of the amplifier's watchdog; `None` for a rig that is no device.
+    fn watchdog(&self) -> Option<String> {
+        let read_back = self.rig.watchdog_s.map(|timeout_s| format!("{timeout_s} s, read back"));
+        read_back.or_else(|| self.rig.device.is_some().then(|| UNKNOWN_WATCHDOG.to_owned()))
+    }
+
+    /// The remark on an amplifier of which no watchdog is known.
+    pub(crate) fn watchdog_remark(&self) -> Option<String> {
+        self.watchdog()
+            .filter(|said| said == UNKNOWN_WATCHDOG)
+            .map(|said| format!("the watchdog of the rig '{}' is {said}", self.rig.name))
     }
 
     /// Makes the rig and checks the request against it.
