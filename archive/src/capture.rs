@@ -174,7 +174,8 @@ impl Capture {
     /// Samples that were taken and are not in the archive.
     #[must_use]
     pub fn lost_samples(&self) -> u64 {
-        self.gaps.iter().map(|gap| gap.count).sum()
+        let listed = || self.gaps.iter().map(|gap| gap.count).sum();
+        mcap_file::recorded_losses(&self.metadata).unwrap_or_else(listed)
     }
 
     /// Ticks before the last row that the loop missed: those without a row, but for samples that were lost or not measured.

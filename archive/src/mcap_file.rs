@@ -208,6 +208,11 @@ pub(crate) fn recorded_gaps(metadata: &BTreeMap<String, BTreeMap<String, String>
     serde_json::from_str(metadata.get(GAPS_METADATA)?.get("gaps")?).ok()
 }
 
+/// How many samples are missing as the writer counted them, of which the gaps list some.
+pub(crate) fn recorded_losses(metadata: &BTreeMap<String, BTreeMap<String, String>>) -> Option<u64> {
+    metadata.get(GAPS_METADATA)?.get("missing_samples")?.parse().ok()
+}
+
 /// The axis whose names a sample's fields have.
 fn axis_of(layout: &Layout) -> Axis {
     let has_load = layout.field(&Axis::Linear.words("torque_mnm")).is_some();

@@ -11,7 +11,7 @@ use crate::capture::Capture;
 use crate::channels::Schemas;
 use crate::description::{RECOVERY_METADATA, attachment, described_rate_hz};
 use crate::error::ArchiveError;
-use crate::mcap_file::{read_records, recorded_gaps};
+use crate::mcap_file::{read_records, recorded_gaps, recorded_losses};
 use crate::parse::parse_record;
 use crate::rig_account::{Account, AccountFields, RigAccount};
 use crate::schema::{FieldLayout, Layout};
@@ -133,10 +133,8 @@ impl Content {
         }
         let rate_hz = described_rate_hz(self.description.as_ref(), &self.metadata)
             .ok_or_else(|| ArchiveError::NoRate { path: path.to_owned() })?;
-        let recorded = recorded_gaps(&self.metadata);
-        let lost = |gaps: &Vec<Gap>| gaps.iter().map(|gap| gap.count).sum();
-        let lost_samples = recorded.as_ref().map_or_else(|| self.ledger.missing(), lost);
-        let gaps = recorded.unwrap_or_else(|| self.ledger.gaps().to_vec());
+        let lost_samples = recorded_losses(&self.metadata).unwrap_or_else(|| self.ledger.missing());
+        let gaps = recorded_gaps(&self.metadata).unwrap_or_else(|| self.ledger.gaps().to_vec());
         let ticks = self.first_tick.map_or(0, |first| self.last_tick.saturating_sub(first));
         Ok(Overview {
             samples: self.ledger.admitted(),

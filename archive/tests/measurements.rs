@@ -210,7 +210,7 @@ fn an_ambiguous_channel_is_refused_with_a_list_of_the_channels() {
     let unit = refused(&file, Some(&choice("angle=Winkel,torque=M", "")));
     assert_eq!(
         unit,
-        "FILE: the unit of `Winkel` is unknown (`Grad` is not a unit of angle; known are rad, mrad, deg, degrees, °, turn, turns, rev); name \
+        "FILE: the unit of `Winkel` is unknown (`Grad` is not a unit of angle; known are rad, mrad, deg, degree, degrees, °, turn, turns, rev); name \
          the columns, as in angle=NAME,…, and their units, as in angle=rad"
     );
     let chosen = choice("angle=Winkel,torque=M", "angle=deg,torque=Nm");

@@ -82,7 +82,10 @@ fn a_value_that_is_not_finite_is_reported_with_line_and_column() {
         bench.refusal("a.csv", table("1e999")),
         "a.csv: line 3: torque_mnm is inf, but it must be a finite number"
     );
-    assert_eq!(bench.refusal("a.csv", table("")), "a.csv: line 3: `` in the column torque_mnm is not a number");
+    assert_eq!(
+        bench.refusal("a.csv", table("")),
+        "a.csv: line 3: the column torque_mnm has no value; fill it in, or leave the line out"
+    );
     assert_eq!(
         bench.refusal("a.csv", table("1,5")),
         "a.csv: line 3: it has 4 cells, but the header has 3; write numbers with a point, as in 1.5"

@@ -104,7 +104,7 @@ fn any_other_table_is_read_by_the_columns_that_its_owner_names() {
     assert_eq!(error, "FILE: it has no column `Angle`; it has the columns Zeit, Winkel, M");
     assert_eq!(
         choice("angle=W,torque=M", "torque=mm").unwrap_err().to_string(),
-        "`mm` is not a unit of torque; known are mNm, Nm, uNm, µNm, cNm, Ncm, Nmm, gfcm, gcm, ozin"
+        "`mm` is not a unit of torque; known are mNm, Nm, uNm, µNm, cNm, Ncm, Nmm, gfcm, gcm, kgfcm, kgcm, ozin, inlb, lbin"
     );
     assert_eq!(
         choice("angle=W", "").unwrap_err().to_string(),
@@ -141,6 +141,11 @@ fn a_table_is_read_as_spreadsheets_and_scripts_write_it() {
         let text = table(header, |n| format!("{:.18e} {n:.18e} {:.18e}", 1e-3 * n, 2.0 * n));
         assert_eq!(read("bench.txt", &text, Some(&numbered)).unwrap().load[3], 6.0);
     }
+    // Our own names in a form that only this reader takes are still those of a capture of motion.
+    for header in ["# t_s angle_rad torque_mnm\n", "# t_s travel_mm force_n\n"] {
+        let curve = read("bench.txt", &table(header, |n| format!("{} {n} {}", 1e-3 * n, 2.0 * n)), None).unwrap();
+        assert!(curve.is_of_motion && curve.t_s.is_some(), "{header}");
+    }
     let text = table("# t angle torque\n", |n| format!("{} {n} {}", 1e-3 * n, 2.0 * n));
     assert_eq!(read("bench.txt", &text, Some(&choice("time=t,angle=angle,torque=torque"))).unwrap().load[3], 6.0);
 }
@@ -154,7 +159,8 @@ fn a_table_of_none_of_these_says_which_columns_it_has_and_what_to_do() {
          travel=NAME,force=NAME, and their units, as in travel=mm,force=gf"
     );
     let text = table("force,displacement\n", |n| if n == 7.0 { "x,1".to_owned() } else { format!("{n},{n}") });
-    assert_eq!(read("switch.csv", &text, None).unwrap_err(), "FILE: line 9: `x` in the column force is not a number");
+    let error = "FILE: line 9: `x` in the column force is not a number; correct it, or leave the line out";
+    assert_eq!(read("switch.csv", &text, None).unwrap_err(), error);
     assert_eq!(
         read("still.csv", &table("force,displacement\n", |n| format!("{n},1")), None).unwrap_err(),
         "FILE: its travel never changes, so there is no curve"
@@ -209,10 +215,23 @@ fn units_in_the_names_of_chosen_columns_are_converted() {
         assert!((curve.position[1] - std::f64::consts::PI).abs() < 1e-12, "{header}");
         assert!((curve.load[1] - 2.0).abs() < 1e-12, "{header}");
     }
-    // A row of units under that of the names is the header.
-    let text = table("time,angle,torque\nms,deg,Nm\n", |n| format!("{n},{},0.002", 180.0 * n));
-    let curve = read("units.csv", &text, Some(&chosen("time=ms,angle=deg,torque=Nm"))).unwrap();
-    assert!((curve.t_s.unwrap()[1] - 1e-3).abs() < 1e-12 && (curve.load[1] - 2.0).abs() < 1e-12);
+    // A row of units may lie under that of the names.
+    let text = table("time,angle,torque\n[ms],[deg],[Nm]\n", |n| format!("{n},{},0.002", 180.0 * n));
+    for columns in
+        ["time=[ms],angle=[deg],torque=[Nm]", "time=time,angle=angle,torque=torque", "time=1,angle=2,torque=3"]
+    {
+        let curve = read("units.csv", &text, Some(&chosen(columns))).unwrap();
+        assert!((curve.t_s.unwrap()[1] - 1e-3).abs() < 1e-12 && (curve.load[1] - 2.0).abs() < 1e-12);
+        assert!((curve.position[1] - std::f64::consts::PI).abs() < 1e-12);
+    }
+    // Times may be dates, and a logger that was switched off may have left half a row.
+    for zone in ["", "Z"] {
+        let text =
+            table("time,angle_deg,torque_Nm\n", |n| format!("2026-11-29T23:59:59.{:03}{zone},{n},0.002", 2.0 * n));
+        let curve = read("dated.csv", &format!("{text}2026-11-2"), Some(&chosen("time=1,angle=2,torque=3"))).unwrap();
+        assert_eq!(curve.len(), 20);
+        assert!((curve.t_s.unwrap()[19] - 0.038).abs() < 1e-9);
+    }
     let text = table("time (s),angle (counts),torque (N.m)\n", |n| format!("{n},{n},0.002"));
     assert_eq!(
         read("round.csv", &text, Some(&chosen("time=time (s),angle=angle (counts),torque=torque (N.m)"))).unwrap_err(),

@@ -141,6 +141,7 @@ impl Quantity {
                 ("rad", 1.0),
                 ("mrad", 1e-3),
                 ("deg", std::f64::consts::PI / 180.0),
+                ("degree", std::f64::consts::PI / 180.0),
                 ("degrees", std::f64::consts::PI / 180.0),
                 ("°", std::f64::consts::PI / 180.0),
                 ("turn", std::f64::consts::TAU),
@@ -157,7 +158,11 @@ impl Quantity {
                 ("Nmm", 1.0),
                 ("gfcm", 10.0 * GRAM_FORCE_N),
                 ("gcm", 10.0 * GRAM_FORCE_N),
+                ("kgfcm", 1e4 * GRAM_FORCE_N),
+                ("kgcm", 1e4 * GRAM_FORCE_N),
                 ("ozin", OUNCE_FORCE_N * INCH_MM),
+                ("inlb", POUND_FORCE_N * INCH_MM),
+                ("lbin", POUND_FORCE_N * INCH_MM),
             ],
             Self::Travel => &[("mm", 1.0), ("um", 1e-3), ("µm", 1e-3), ("cm", 10.0), ("m", 1e3), ("in", INCH_MM)],
             Self::Force => &[
@@ -170,7 +175,17 @@ impl Quantity {
                 ("lbf", POUND_FORCE_N),
                 ("ozf", OUNCE_FORCE_N),
             ],
-            Self::Time => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("µs", 1e-6), ("min", 60.0)],
+            Self::Time => &[
+                ("s", 1.0),
+                ("sec", 1.0),
+                ("ms", 1e-3),
+                ("msec", 1e-3),
+                ("us", 1e-6),
+                ("µs", 1e-6),
+                ("usec", 1e-6),
+                ("ns", 1e-9),
+                ("min", 60.0),
+            ],
             Self::Energy => &[("mJ", 1.0), ("N mm", 1.0), ("J", 1e3), ("gf mm", GRAM_FORCE_N)],
             Self::Number => &[("", 1.0), ("share", 1.0), ("%", 0.01)],
         }
@@ -188,8 +203,19 @@ impl Quantity {
     /// ```
     #[must_use]
     pub fn factor(self, unit: &str) -> Option<f64> {
+        self.factor_as(unit, |one, other| one == other)
+    }
+
+    /// The same however a unit is capitalised, as in the names of columns: `ANGLE_DEG`. No two units of a quantity differ in that alone; only
+    /// inches must be `in`, since names end in the word, too.
+    #[must_use]
+    pub fn factor_in_any_case(self, unit: &str) -> Option<f64> {
+        self.factor_as(unit, |one, other| one == other || one != "in" && one.to_lowercase() == other.to_lowercase())
+    }
+
+    fn factor_as(self, unit: &str, is_same: impl Fn(&str, &str) -> bool) -> Option<f64> {
         let plain = |unit: &str| unit.replace([' ', '·', '⋅', '*', '-', '.'], "");
         let unit = plain(unit);
-        self.units().iter().find(|(name, _)| plain(name) == unit).map(|(_, factor)| *factor)
+        self.units().iter().find(|(name, _)| is_same(&plain(name), &unit)).map(|(_, factor)| *factor)
     }
 }

@@ -84,6 +84,19 @@ pub fn read_columns<const N: usize>(
     wanted: [Column; N],
     others: OtherColumns,
 ) -> Result<[Option<Vec<f64>>; N], TableError> {
+    Ok(read_labelled(text, wanted, [], others)?.0)
+}
+
+/// The same, with the columns of `labels` as text; they are empty where the table has none.
+///
+/// # Errors
+/// As [`read_columns`].
+pub fn read_labelled<const N: usize, const M: usize>(
+    text: impl Read,
+    wanted: [Column; N],
+    labels: [&str; M],
+    others: OtherColumns,
+) -> Result<([Option<Vec<f64>>; N], [Vec<String>; M]), TableError> {
     let mut text = BufReader::with_capacity(HEAD, text);
     let required = wanted.iter().filter(|column| column.required).map(|column| column.name);
     let head = text.fill_buf().map_err(from_io)?;
@@ -110,6 +123,8 @@ pub fn read_columns<const N: usize>(
     }
     let places = places(&names, &wanted, others)?;
     let mut columns = places.map(|place| place.map(|_| Vec::new()));
+    let label_places = labels.map(|label| names.iter().position(|name| name.eq_ignore_ascii_case(label)));
+    let mut label_columns = [const { Vec::new() }; M];
     let mut record = csv::StringRecord::new();
     while table.read_record(&mut record).map_err(from_csv)? {
         let line = record.position().map_or(0, csv::Position::line) + lines_above;
@@ -122,8 +137,11 @@ pub fn read_columns<const N: usize>(
                 column.push(number(&record[*place], separator, name).map_err(wrong)?);
             }
         }
+        for (place, column) in label_places.iter().zip(&mut label_columns) {
+            column.extend(place.map(|place| record[place].to_owned()));
+        }
     }
-    Ok(columns)
+    Ok((columns, label_columns))
 }
 
 /// Where the wanted columns stand.
@@ -203,8 +221,12 @@ fn number(cell: &str, separator: u8, column: &str) -> Result<f64, String> {
     match with_point(cell, separator).parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         Ok(value) => Err(format!("{column} is {value}, but it must be a finite number")),
+        Err(_) if cell.is_empty() => {
+            Err(format!("the column {column} has no value; fill it in, or leave the line out"))
+        }
         Err(_) => {
-            let hint = if cell.contains(',') { "; write it with a point" } else { "" };
+            let hint =
+                if cell.contains(',') { "; write it with a point" } else { "; correct it, or leave the line out" };
             Err(format!("`{}` in the column {column} is not a number{hint}", quoted(cell)))
         }
     }

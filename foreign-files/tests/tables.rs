@@ -47,12 +47,15 @@ fn a_wrong_table_is_reported_with_its_line() {
     for (text, expected) in [
         ("", "it has the columns ``, but they must be `t_s,angle_rad[,torque_mnm]`"),
         ("t_s,angle_rad,t_s\n", "it has the columns `t_s,angle_rad,t_s`, but"),
-        ("t_s;angle_rad\n0;2.000,5\n", "line 2: `2.000,5` in the column angle_rad is not a number"),
+        (
+            "t_s;angle_rad\n0;2.000,5\n",
+            "line 2: `2.000,5` in the column angle_rad is not a number; write it with a point",
+        ),
         ("t_s,angle_rad\n0,1\n0,2,5\n", "line 3: it has 3 cells, but the header has 2; write numbers with a point"),
         ("t_s,angle_rad\n0\n", "line 2: it has 1 cells, but the header has 2"),
         ("// rig 7\nt_s,angle_rad\n0\n", "line 3: it has 1 cells, but the header has 2"),
         ("t_s,angle_rad\n0,\"2,5\"\n", "line 2: `2,5` in the column angle_rad is not a number; write it with a point"),
-        ("t_s,angle_rad\n0,\n", "line 2: `` in the column angle_rad is not a number"),
+        ("t_s,angle_rad\n0,\n", "line 2: the column angle_rad has no value; fill it in, or leave the line out"),
         ("t_s,angle_rad\n0,NaN\n", "line 2: angle_rad is NaN, but it must be a finite number"),
         ("t_s,angle_rad\n0,1e999\n", "line 2: angle_rad is inf, but it must be a finite number"),
     ] {

@@ -127,7 +127,7 @@ impl LoadedCapture {
         }
     }
 
-    /// Reads a capture, or a tester's file as a capture. A tester's curve counts as quasi-static unless its time column was chosen.
+    /// Reads a capture, or a tester's file as a capture. A tester's curve counts as quasi-static unless its time column was chosen or is ours.
     ///
     /// # Errors
     /// [`LoadError`], one sentence on what is wrong with a file.
@@ -140,7 +140,7 @@ impl LoadedCapture {
             Err(ArchiveError::UnknownTable { .. }) => return Self::load(path),
             read => read?,
         };
-        if chosen.is_some() && curve.t_s.is_some() {
+        if curve.is_of_motion {
             return Self::of(path, curve.into_capture()?);
         }
         let rises = |t_s: &Vec<f64>| t_s.windows(2).all(|pair| pair[1] > pair[0]);
@@ -158,6 +158,7 @@ impl LoadedCapture {
             source: source.clone(),
             axis: self.capture.axis,
             t_s: Some(t_s.clone()),
+            is_of_motion: !self.is_quasi_static,
             position: earlier(t_s, angle_rad, delay_s),
             load: torque_mnm.iter().map(|torque_mnm| torque_mnm - zero_mnm).collect(),
             closed: contact

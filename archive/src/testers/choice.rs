@@ -5,6 +5,7 @@ use std::str::FromStr;
 use shared_types::{Axis, Quantity};
 
 use super::layout::{Contact, Layout, Source, Time};
+use super::table::RawTable;
 
 /// The columns of a table of any format, as in `angle=Winkel,torque=M` with units as in `angle=deg,torque=Ncm`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,6 +43,14 @@ pub enum ChoiceError {
         name: String,
         /// The columns that are there.
         columns: String,
+    },
+    /// Columns of the same name.
+    #[error("several columns are called `{name}`; choose one by its number, such as {} or {}", numbers[0], numbers[1])]
+    Several {
+        /// The name.
+        name: String,
+        /// The numbers of the first two of them, from 1.
+        numbers: [usize; 2],
     },
     /// A column whose name has a unit that is none of the quantity.
     #[error("the unit in `{name}` is none of {quantity}; give its unit, as in {quantity}={own}")]
@@ -144,18 +153,29 @@ impl ColumnChoice {
         }
     }
 
-    /// Where the chosen columns lie under that header; a column without a name is chosen by its number, from 1.
+    /// Where the chosen columns lie in a table; a column without a name is chosen by its number, from 1.
     ///
     /// # Errors
-    /// [`ChoiceError::Missing`] for a column that is not there, [`ChoiceError::Shared`] for one with two words.
-    pub(super) fn layout(&self, header: &[String]) -> Result<Layout, ChoiceError> {
+    /// [`ChoiceError::Missing`] for a column that is not there, [`ChoiceError::Several`] for a name that several have,
+    /// [`ChoiceError::Shared`] for a column with two words.
+    pub(super) fn layout(&self, table: &RawTable) -> Result<Layout, ChoiceError> {
+        let RawTable { header, units, .. } = table;
         let axis = self.axis().ok_or(ChoiceError::Incomplete)?;
         let mut taken = Vec::new();
         let mut place = |name: &str| {
-            let by_name = header.iter().position(|found| found.trim() == name);
-            let by_number = || name.parse::<usize>().ok()?.checked_sub(1);
+            let called = |names: &[String]| -> Vec<usize> {
+                (0..names.len()).filter(|column| names[*column].trim() == name).collect()
+            };
+            let named = Some(called(header)).filter(|columns| !columns.is_empty()).unwrap_or_else(|| called(units));
+            let by_number = || name.parse::<usize>().ok()?.checked_sub(1).filter(|column| *column < table.width());
             let missing = || ChoiceError::Missing { name: name.to_owned(), columns: header.join(", ") };
-            let column = by_name.or_else(by_number).ok_or_else(missing)?;
+            let column = match named.as_slice() {
+                [] => by_number().ok_or_else(missing)?,
+                [column] => *column,
+                [first, second, ..] => {
+                    return Err(ChoiceError::Several { name: name.to_owned(), numbers: [first + 1, second + 1] });
+                }
+            };
             // Its name and its number are the same column.
             if taken.contains(&column) {
                 return Err(ChoiceError::Shared(name.to_owned()));
@@ -166,8 +186,12 @@ impl ColumnChoice {
         let mut source = |quantity: Quantity| {
             let Some(name) = self.column(quantity.name()) else { return Ok(None) };
             let column = place(name)?;
-            let name = header.get(column).map_or("", String::as_str);
-            Ok(Some(Source { column, factor: self.factor(quantity, name)? }))
+            let named = header.get(column).map_or("", String::as_str);
+            let unit = units.get(column).map(|unit| unit.trim_matches(['[', ']', '(', ')', ' ']));
+            let name = unit
+                .filter(|unit| !unit.is_empty())
+                .map_or_else(|| named.to_owned(), |unit| format!("{named} [{unit}]"));
+            Ok(Some(Source { column, factor: self.factor(quantity, &name)? }))
         };
         let mut required = |quantity| source(quantity)?.ok_or(ChoiceError::Incomplete);
         Ok(Layout {
@@ -180,22 +204,28 @@ impl ColumnChoice {
     }
 }
 
-/// The factor from the unit in a column's name to the instrument's unit; 1 if the name has no unit.
+/// The factor from the unit in a column's name to the instrument's unit; 1 if the name has no unit. Names are also written in capitals.
 ///
 /// # Errors
-/// [`ChoiceError::UnitInName`] if the text in brackets at its end is no unit of the quantity.
+/// [`ChoiceError::UnitInName`] if the text in brackets at its end is no unit of the quantity, or its last word has two meanings.
 fn unit_in(name: &str, quantity: Quantity) -> Result<f64, ChoiceError> {
+    let unknown = || ChoiceError::UnitInName { name: name.to_owned(), quantity: quantity.name(), own: quantity.unit() };
+    let named = |unit: &str| quantity.factor_in_any_case(unit.trim());
     let name = name.trim();
-    let bracketed = |open, close| name.strip_suffix(close).and_then(|name: &str| name.rsplit_once(open));
-    if let Some((_, unit)) = bracketed('[', ']').or_else(|| bracketed('(', ')')) {
-        let unknown =
-            || ChoiceError::UnitInName { name: name.to_owned(), quantity: quantity.name(), own: quantity.unit() };
-        return quantity.factor(unit.trim()).ok_or_else(unknown);
+    let bracketed = |[open, close]: [char; 2]| name.split(open).skip(1).filter_map(move |rest| rest.split_once(close));
+    let in_brackets = || [['[', ']'], ['(', ')']].into_iter().flat_map(bracketed);
+    if let Some(factor) = in_brackets().find_map(|(unit, _)| named(unit)) {
+        return Ok(factor);
     }
     // A table may have its units in a row of their own, which is then the header.
-    let unit = name.rsplit_once(['_', ' ', '/', ',']).map_or(name, |(_, unit)| unit.trim());
-    Ok(quantity.factor(unit).unwrap_or(1.0))
+    let word = name.rsplit_once(['_', ' ', '/', ',']).map_or(name, |(_, unit)| unit.trim());
+    let is_unknown =
+        in_brackets().any(|(_, behind)| behind.is_empty()) || TWO_MEANINGS.contains(&word.to_lowercase().as_str());
+    if is_unknown { Err(unknown()) } else { Ok(named(word).unwrap_or(1.0)) }
 }
+
+/// Degrees in German, and gradians, 400 of them in a turn, elsewhere.
+const TWO_MEANINGS: [&str; 1] = ["grad"];
 
 /// The factor from a unit to the instrument's unit of the quantity.
 ///
@@ -207,4 +237,46 @@ pub(super) fn factor(quantity: Quantity, unit: &str) -> Result<f64, ChoiceError>
         quantity: quantity.name(),
         known: quantity.units().iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "),
     })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_units_place_and_capitals_in_a_columns_name_do_not_matter() {
+        let degree = std::f64::consts::PI / 180.0;
+        let names = [
+            (Quantity::Angle, "ANGLE_DEG", degree),
+            (Quantity::Angle, "angle_degrees", degree),
+            (Quantity::Angle, "Winkel (motor side) [deg]", degree),
+            (Quantity::Angle, "position", 1.0),
+            (Quantity::Torque, "Torque [Nm] CH1", 1e3),
+            (Quantity::Torque, "Moment (Nm), gefiltert", 1e3),
+            (Quantity::Torque, "TORQUE_MNM", 1.0),
+            (Quantity::Time, "time_msec", 1e-3),
+            (Quantity::Travel, "Signal In", 1.0),
+            (Quantity::Travel, "travel (in)", 25.4),
+        ];
+        for (quantity, name, factor) in names {
+            assert_eq!(unit_in(name, quantity), Ok(factor), "{name}");
+        }
+        for name in ["Winkel_Grad", "Angle [Grad]", "Angle [counts]"] {
+            assert!(unit_in(name, Quantity::Angle).is_err(), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_name_that_several_columns_have_and_a_number_beyond_them_are_refused() {
+        let table = RawTable::of("Angle [deg],Torque [Nm],Torque [Nm]\n1,2,3\n4,5,6\n").unwrap();
+        let layout = |torque: &str| {
+            let columns = format!("angle=Angle [deg],torque={torque}").parse().unwrap();
+            ColumnChoice::new(columns, Assignments::default()).unwrap().layout(&table)
+        };
+        let several = layout("Torque [Nm]").unwrap_err().to_string();
+        assert!(several.contains("number") && several.contains("2 or 3"), "{several}");
+        assert_eq!(layout("3").unwrap().load, Source { column: 2, factor: 1e3 });
+        assert!(matches!(layout("4"), Err(ChoiceError::Missing { .. })));
+    }
 }

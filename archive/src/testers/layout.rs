@@ -58,7 +58,10 @@ impl Layout {
         let of = |source: Source| table.column(source.column, source.factor);
         let t_s = match self.time {
             Time::None => None,
-            Time::Column(source) => of(source).map(|t_s| Some(dynamics::even_times(&t_s).unwrap_or(t_s)))?,
+            Time::Column(source) => {
+                let t_s = if is_dated(table, source.column) { dated_s(table, source.column)? } else { of(source)? };
+                Some(dynamics::even_times(&t_s).unwrap_or(t_s))
+            }
             Time::Clock(column) => {
                 Some(unwrapped(table.cells(column, clock_s, "a time as minutes.seconds.fraction")?))
             }
@@ -90,6 +93,25 @@ pub(super) fn refuse_falling(t_s: Option<&[f64]>) -> Result<(), String> {
         Some(row) => Err(format!("row {}: its time is before that of the row above", row + 2)),
         None => Ok(()),
     }
+}
+
+/// Whether a column's first cell is a date and time.
+fn is_dated(table: &RawTable, column: usize) -> bool {
+    table.rows.first().and_then(|row| row.get(column)).is_some_and(|cell| date(cell).is_some())
+}
+
+/// A column of dates and times (ISO 8601), as s since the first.
+fn dated_s(table: &RawTable, column: usize) -> Result<Vec<f64>, String> {
+    let dates = table.cells(column, date, "a date and time, as the first is")?;
+    Ok(dates.iter().map(|date| date.duration_since(dates[0]).as_secs_f64()).collect())
+}
+
+/// A moment; without a zone, in universal time.
+fn date(cell: &str) -> Option<jiff::Timestamp> {
+    let in_no_zone = || cell.parse::<jiff::civil::DateTime>().ok()?.to_zoned(jiff::tz::TimeZone::UTC).ok();
+    // A number alone is no date.
+    let is_date = cell.contains('-') && cell.contains(':');
+    is_date.then(|| cell.parse().ok().or_else(|| in_no_zone().map(|zoned| zoned.timestamp())))?
 }
 
 /// Minutes, seconds and fractions of a second as s.

@@ -37,6 +37,8 @@ pub struct Curve {
     pub axis: Axis,
     /// Time, s; `None` of a quasi-static curve, in which time has no part.
     pub t_s: Option<Vec<f64>>,
+    /// Whether the time is that of a capture of motion: its column was chosen, or is called as ours.
+    pub is_of_motion: bool,
     /// Angle in rad, or travel in mm.
     pub position: Vec<f64>,
     /// Torque in mNm, or force in N, that the control takes from whoever moves it.
@@ -74,7 +76,7 @@ impl Curve {
             return Err(wrong(path, "it is an MCAP archive, whose columns have fixed names".to_owned()));
         }
         let mut curve = if is_mdf(path)? {
-            mdf::read(path, chosen)?
+            Self { is_of_motion: true, ..mdf::read(path, chosen)? }
         } else if json::is_json(path)? {
             if chosen.is_some() {
                 let reason = "it is JSON, whose lists have fixed names and units; choose no columns".to_owned();
@@ -84,12 +86,14 @@ impl Curve {
         } else {
             let table = RawTable::read(path)?;
             let layout = match chosen {
-                Some(chosen) => chosen.layout(&table.header).map_err(|error| wrong(path, error.to_string()))?,
+                Some(chosen) => chosen.layout(&table).map_err(|error| wrong(path, error.to_string()))?,
                 None => formats::recognise(&table)
                     .ok_or_else(|| ArchiveError::UnknownTable { path: path.to_owned(), columns: table.columns() })?,
             };
-            layout.read(&table).map_err(|reason| wrong(path, reason))?
+            let curve = layout.read(&table).map_err(|reason| wrong(path, reason))?;
+            Curve { is_of_motion: table.place("t_s").is_some(), ..curve }
         };
+        curve.is_of_motion = curve.t_s.is_some() && (curve.is_of_motion || chosen.is_some());
         curve.source = path.to_owned();
         curve.check()
     }

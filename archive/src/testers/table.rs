@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::Path;
 
+use shared_types::Quantity;
+
 use crate::error::ArchiveError;
 
 /// Most columns, and letters of each, that an error quotes.
@@ -23,6 +25,8 @@ pub(super) struct RawTable {
     pub(super) preamble: Vec<csv::StringRecord>,
     /// The names of the columns; empty where there are none.
     pub(super) header: Vec<String>,
+    /// The units of the columns, where they stand in a row of their own below the names; otherwise empty.
+    pub(super) units: Vec<String>,
     /// The rows of numbers.
     pub(super) rows: Vec<csv::StringRecord>,
     /// What stands between cells.
@@ -38,7 +42,7 @@ impl RawTable {
         Self::of(&foreign_files::decoded(&bytes)).map_err(|error| super::wrong(path, error.to_string()))
     }
 
-    fn of(text: &str) -> Result<Self, csv::Error> {
+    pub(super) fn of(text: &str) -> Result<Self, csv::Error> {
         let separator = separator(text);
         let (text, delimiter) = match separator {
             BLANKS => (Cow::Owned(text.lines().map(with_tabulators).collect()), b'\t'),
@@ -62,8 +66,13 @@ impl RawTable {
         let mut table = Self { separator, ..Self::default() };
         let first = table.first_row(&records);
         let mut rows = records.split_off(first);
-        // What stands below the rows is passed over.
+        // What stands below the rows is passed over, and a last row that was cut off.
         while rows.pop_if(|record| table.numbers(record) < 2).is_some() {}
+        if let [.., before, last] = rows.as_slice()
+            && last.len() < before.len()
+        {
+            rows.pop();
+        }
         table.rows = rows;
         let is_header =
             |record: &mut csv::StringRecord| record.len() > 1 && !record.iter().any(|cell| cell.contains('='));
@@ -74,6 +83,13 @@ impl RawTable {
             let above = comments.iter().rev().find(|(at, _)| *at <= first)?;
             Some(uncommented(&above.1)).filter(|record| record.len() == cells)
         });
+        let mut header = header;
+        if header.as_ref().is_some_and(are_units)
+            && let Some(names) = records.pop_if(|record| is_header(record) && is_whole(record))
+        {
+            table.units = header.iter().flatten().map(str::to_owned).collect();
+            header = Some(names);
+        }
         table.header = header.iter().flatten().map(str::to_owned).collect();
         while table.header.pop_if(|name| name.is_empty()).is_some() {}
         table.preamble = records;
@@ -129,15 +145,21 @@ impl RawTable {
                 let shown: String = text.chars().take(QUOTED.1).collect();
                 let name = self.header.get(index).cloned().unwrap_or_else(|| (index + 1).to_string());
                 let line = record.position().map_or(0, csv::Position::line);
-                format!("line {line}: `{shown}` in the column {name} is not {what}")
+                format!("line {line}: `{shown}` in the column {name} is not {what}; correct it, or leave the line out")
             })
         };
         self.rows.iter().map(cell).collect()
     }
 
-    /// Place of a column by its name, whatever its case.
+    /// Place of a column by its name, whatever its case; `None` also where several have it.
     pub(super) fn place(&self, name: &str) -> Option<usize> {
-        self.header.iter().position(|found| found.eq_ignore_ascii_case(name))
+        let mut places = (0..self.header.len()).filter(|column| self.header[*column].eq_ignore_ascii_case(name));
+        places.next().filter(|_| places.next().is_none())
+    }
+
+    /// Number of columns.
+    pub(super) fn width(&self) -> usize {
+        self.header.len().max(self.rows.first().map_or(0, csv::StringRecord::len))
     }
 
     /// The columns in words.
@@ -186,6 +208,16 @@ fn separator(text: &str) -> u8 {
 /// A line with tabulators in place of blanks.
 fn with_tabulators(line: &str) -> String {
     line.split_whitespace().collect::<Vec<_>>().join("\t") + "\n"
+}
+
+/// Whether all cells are units, in brackets or not, or empty.
+fn are_units(record: &csv::StringRecord) -> bool {
+    let quantities = [Quantity::Angle, Quantity::Torque, Quantity::Travel, Quantity::Force, Quantity::Time];
+    let is_unit = |cell: &str| {
+        let unit = cell.trim_matches(['[', ']', '(', ')', ' ']);
+        unit.is_empty() || unit == "-" || quantities.iter().any(|quantity| quantity.factor(unit).is_some())
+    };
+    record.iter().all(is_unit) && record.iter().any(|cell| !cell.is_empty())
 }
 
 /// A comment's cells without its mark.
