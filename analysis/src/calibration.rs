@@ -62,7 +62,7 @@ fn latency(loaded: &LoadedCapture, known: &Calibration) -> Result<Calibrated, Ca
     let mut calibrated = calibration::latency(samples, known)?;
     let late_ticks = loaded.capture.description.as_ref().and_then(|run| run.torque_late_ticks);
     if let Some((commanded_mnm, late_ticks)) = loaded.commanded_torque_mnm().zip(late_ticks) {
-        match calibration::command_latency(samples, commanded_mnm, late_ticks) {
+        match calibration::command_latency(samples, commanded_mnm, late_ticks, known) {
             Ok(delay) => calibrated.estimates.push(delay),
             Err(error) => calibrated.notes.push(format!("no delay of the motor: {error}")),
         }

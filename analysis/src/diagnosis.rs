@@ -49,14 +49,10 @@ fn options<'a>(
 ) -> Result<DiagnoseOptions<'a>, AnalysisError> {
     common_axis([Some(train), heldout].into_iter().flatten().map(|one| one.capture.axis))?;
     model.iter().try_for_each(|model| same_axis(model, train))?;
-    let judge = heldout.unwrap_or(train);
-    let commanded = train.commanded_torque_mnm().zip(judge.commanded_torque_mnm());
-    let commanded = commanded.map(|(of_train, of_judge)| CommandedTorque {
-        train: of_train,
-        train_t_s: &train.capture.t_s,
-        heldout: of_judge,
-        heldout_t_s: &judge.capture.t_s,
-    });
+    let of = |loaded: &'a LoadedCapture| {
+        Some(CommandedTorque { torque_mnm: loaded.commanded_torque_mnm()?, t_s: &loaded.capture.t_s })
+    };
+    let commanded = of(train).zip(of(heldout.unwrap_or(train))).map(Into::into);
     let calibration = train.calibration.clone();
     Ok(DiagnoseOptions { calibration, axis: train.capture.axis, model, commanded, progress, reach_rad })
 }

@@ -85,10 +85,14 @@ fn held_still(torque_mnm: f64, hold: &LoadedCapture) -> HeldStill {
     }
 }
 
-/// The effects of a model that a fit takes beside inertia, friction and detents.
+/// The effects of a model that a fit takes beside inertia, friction and detents. What changes the friction is no torque of its own: it is found by
+/// the diagnosis.
 fn further_effects(model: &Model) -> Vec<Effect> {
     let base = [effects::inertia::KIND.name, effects::friction::KIND.name, effects::detent::KIND.name];
-    let fits = |effect: &&Effect| effect.kind().regressors.is_some() && !base.contains(&effect.kind().name);
+    let fits = |effect: &&Effect| {
+        let kind = effect.kind();
+        kind.regressors.is_some() && !kind.part.changes_friction() && !base.contains(&kind.name)
+    };
     model.effects.iter().filter(fits).copied().collect()
 }
 
@@ -254,7 +258,7 @@ const MEAN_S: f64 = 0.0025;
 /// its inner body is simulated behind the measured motion of the cap.
 fn along_motion_mnm(model: &Model, capture: &LoadedCapture) -> Result<[f64; 2], AnalysisError> {
     let gripper_inertia = capture.calibration.as_ref().map_or(0.0, |known| known.gripper_inertia);
-    let motions = identification::knob_motion(&capture.samples(), capture.calibration.as_ref())?;
+    let motions = identification::knob_motion(&capture.samples(), capture.capture.axis, capture.calibration.as_ref())?;
     let simulated_mnm = along_motion(model, gripper_inertia, &motions).torque_mnm;
     let captured_mnm = torque_at_knob(capture);
     let length = ((MEAN_S * capture.capture.rate_hz) as usize).max(1);

@@ -36,7 +36,7 @@ pub struct Simulation {
 pub fn simulate(model: &Model, like: &LoadedCapture, drive: Drive) -> Result<Simulation, AnalysisError> {
     same_axis(model, like)?;
     let gripper_inertia = like.calibration.as_ref().map_or(0.0, |known| known.gripper_inertia);
-    let motions = identification::knob_motion(&like.samples(), like.calibration.as_ref())?;
+    let motions = identification::knob_motion(&like.samples(), like.capture.axis, like.calibration.as_ref())?;
     let captured_mnm = torque_at_knob(like);
     let (simulated, rms_difference, captured_rms) = match drive {
         Drive::Motion => {

@@ -65,6 +65,13 @@ impl EffectKind {
         self.regressors.map_or(0, |regressors| regressors.columns / self.lines())
     }
 
+    /// Name of the parameter that a column's coefficient is, or else of the effect.
+    #[must_use]
+    pub fn column_name(&self, column: usize) -> &'static str {
+        let is_parameter = self.regressors.is_some_and(|regressors| regressors.columns == self.parameters.len());
+        if is_parameter { self.parameters[column].name } else { self.name }
+    }
+
     /// Whether a column's coefficient cannot be negative, by the law or because it is a parameter that cannot be negative.
     #[must_use]
     pub fn is_nonnegative(&self, column: usize) -> bool {
@@ -237,6 +244,14 @@ pub enum Part {
     Reading(fn(&[f64], &Motion) -> f64),
     /// Time by which the torque sensor's reading is late, s.
     ReadingDelay(fn(&[f64]) -> f64),
+}
+
+impl Part {
+    /// Whether it is a factor on the friction of other effects, and no torque of its own.
+    #[must_use]
+    pub fn changes_friction(self) -> bool {
+        matches!(self, Self::CoulombFactor(_) | Self::FrictionFactor(_))
+    }
 }
 
 /// What an effect makes of its table.

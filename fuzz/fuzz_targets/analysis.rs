@@ -29,6 +29,6 @@ fuzz_target!(|input: &[u8]| fuzz::bounded(input.len() + 24 * ROWS, || {
     let [t_s, angle_rad, torque_mnm] = &columns;
     let samples = Samples { t_s, angle_rad, velocity_rad_s: None, acceleration_rad_s2: None, torque_mnm };
     let _ = identification::fit(&samples, &FitOptions::default());
-    let _ = identification::knob_motion(&samples, None);
+    let _ = identification::knob_motion(&samples, dynamics::Axis::Rotary, None);
     let _ = (breakaways(&samples, None), count_detents(&samples), free_travel(&samples, None));
 }));

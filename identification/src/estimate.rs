@@ -4,7 +4,7 @@ use serde::ser::{Serialize, Serializer};
 
 use dynamics::{Axis, Effect, Model, Motion, ParameterKind, effects};
 
-use crate::numerics::statistics::mean;
+use crate::numerics::statistics::{half_width, mean};
 use crate::regression::characteristic::MeasuredCurve;
 
 /// A fitted parameter, or the reason why the data cannot identify it.
@@ -35,6 +35,12 @@ impl Parameter {
     /// A parameter that the data cannot identify.
     pub(crate) fn not_identifiable(kind: &ParameterKind, reason: String) -> Self {
         Self { name: kind.name, value: None, unit: kind.unit, ci95: None, ci95_textbook: None, reason: Some(reason) }
+    }
+
+    /// From the value to the farther end of its 95 % interval; `None` where one of them is missing.
+    #[must_use]
+    pub fn half_width(&self) -> Option<f64> {
+        Some(half_width(self.value?, self.ci95?))
     }
 }
 
@@ -252,8 +258,10 @@ impl Fit {
             let mut effect = *effect;
             let kind = effect.kind();
             for (slot, parameter) in effect.values_mut().iter_mut().zip(kind.parameters) {
-                // A stick limit without an estimate keeps its value of the fit, a bound that the capture sets.
-                if estimated(parameter.name).is_some() || kind.name == effects::karnopp_stick::KIND.name {
+                // A stick limit without an estimate keeps its value of the fit, a bound that the capture sets; what is not among the
+                // parameters, such as the scale of a curve that was measured point by point, is as it was fitted.
+                let is_told = self.parameters.get(parameter.name).is_none_or(|known| known.value.is_some());
+                if is_told || kind.name == effects::karnopp_stick::KIND.name {
                     continue;
                 }
                 let opposite =

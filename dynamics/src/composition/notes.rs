@@ -133,8 +133,7 @@ fn held(model: &Model) -> Option<CompositionNote> {
 fn friction(model: &Model, notes: &mut Vec<CompositionNote>) {
     let is_friction = |part: Part| matches!(part, Part::Friction(_) | Part::FrictionTable(_));
     if !model.effects.iter().any(|effect| is_friction(effect.kind().part)) {
-        let modulates = |part: Part| matches!(part, Part::CoulombFactor(_) | Part::FrictionFactor(_));
-        let idle = model.effects.iter().map(|effect| effect.kind()).filter(|kind| modulates(kind.part));
+        let idle = model.effects.iter().map(|effect| effect.kind()).filter(|kind| kind.part.changes_friction());
         notes.extend(idle.map(|kind| CompositionNote::NoFriction { effect: kind.name }));
     }
     let Some(friction) = model.effect(effects::friction::KIND.name) else { return };

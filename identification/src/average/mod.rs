@@ -8,6 +8,7 @@
 //! that differ count nearly alike. If they agree, a scatter estimated from two captures is mostly chance and
 //! would take weight off the better one.
 
+mod curves;
 mod generalised;
 mod observation;
 mod scalar;
@@ -154,23 +155,23 @@ pub fn average(fits: &[Fit]) -> Option<Average> {
     mean.back_to_zero(common_angle_rad);
 
     let mut fit = most.clone();
+    let curves = curves::mean(fits);
     // Another capture may show an effect that this one does not, such as detents or stick; a measured curve has them in it.
-    let are_curves = fits.iter().any(|one| !one.characteristics.is_empty());
+    let are_curves = !curves.is_empty();
     for effect in fits.iter().flat_map(Fit::effects) {
         if !are_curves && fit.effects.iter().all(|known| known.kind().name != effect.kind().name) {
             fit.effects.push(*effect);
         }
     }
     fit.parameters = Parameters(most.parameters.0.iter().map(|parameter| with_mean(parameter, &mean)).collect());
-    sums(&mut fit, fits);
     fit.notes = notes(fits, agreement, &repeatability);
-    // A quasi-static fit has a detent for each sinusoid; the parameters are the values of the first, which is the strongest.
-    for at in 0..fit.effects.len() {
-        let (before, effect) = (&fit.effects[..at], &fit.effects[at]);
-        if before.iter().all(|other| other.kind().name != effect.kind().name) {
-            fit.effects[at] = with_values(effect, &fit.parameters);
-        }
-    }
+    fit.effects = fit.effects.iter().map(|effect| with_values(effect, &fit.parameters)).collect();
+    fit.effects.retain(|effect| curves.iter().all(|(curve, _)| curve.effect != effect.kind().name));
+    (fit.characteristics, fit.effects) = {
+        let (curves, through): (Vec<_>, Vec<_>) = curves.into_iter().unzip();
+        (curves, [fit.effects, through].concat())
+    };
+    sums(&mut fit, fits);
     fit.covariance = covariance(&mean);
     let own = statistics::mean(fits.iter().map(|one| one.mean_ci95_mnm));
     let textbook = statistics::mean(fits.iter().map(|one| one.mean_ci95_textbook_mnm));
@@ -230,11 +231,31 @@ fn notes(
     notes
 }
 
-/// Residual, relative error and counts of all captures together.
+/// Residual and relative error of the combined model over all captures, and their counts.
 fn sums(combined: &mut Fit, fits: &[Fit]) {
-    (combined.residual_rms_mnm, combined.relative_error_percent) = residual_of(fits.iter().flat_map(|fit| &fit.points));
+    let points: Vec<Point> = fits.iter().flat_map(|fit| compared(fit, combined)).collect();
+    (combined.residual_rms_mnm, combined.relative_error_percent) = residual_of(&points);
     combined.samples = fits.iter().map(|fit| fit.samples).sum();
     combined.rows = fits.iter().map(|fit| fit.rows).sum();
+}
+
+/// The points of a capture, compared with the combined model: the residual of the capture's own fit grows by the torque by which the two
+/// models differ, which is the same whatever the fit's filters.
+fn compared<'a>(own: &'a Fit, combined: &Fit) -> impl Iterator<Item = Point> + 'a {
+    let inertia = |fit: &Fit| fit.parameters.get("inertia").and_then(|known| known.value);
+    let excess = inertia(own).zip(inertia(combined)).map_or(0.0, |(own, combined)| own - combined);
+    // The effects' inertias have the grippers in them, which may differ from capture to capture.
+    let without_inertia = |fit: &Fit| {
+        let others = fit.effects.iter().filter(|effect| effect.kind().name != effects::inertia::KIND.name);
+        Model { effects: others.copied().collect(), ..Model::default() }
+    };
+    let (mut one, other) = (without_inertia(own), without_inertia(combined));
+    one.effects.push(Effect::new(&effects::inertia::KIND, &[excess]));
+    own.points.iter().map(move |point| {
+        let motion = point.motion();
+        let residual_mnm = point.residual_mnm + one.torque_mnm(&motion) - other.torque_mnm(&motion);
+        Point::of(motion, point.torque_mnm, residual_mnm, point.torque_model_ci95_mnm)
+    })
 }
 
 /// The effect with its values replaced by the combined ones where these exist.
@@ -268,7 +289,12 @@ fn mean_half_width_mnm(combined: &Fit, fits: &[Fit]) -> f64 {
             .iter()
             .map(|one| one.as_ref().map_or(0.0, |(model, step)| (model.torque_mnm(&motion) - torque_mnm) / step))
             .collect();
-        known.critical * deviation_of_sum(&covariance, &gradient)
+        let of_parameters = known.critical * deviation_of_sum(&covariance, &gradient);
+        combined
+            .characteristics
+            .iter()
+            .filter_map(|curve| curve.half_width(point.angle_rad))
+            .fold(of_parameters, f64::hypot)
     };
     statistics::mean(fits.iter().flat_map(|fit| {
         let every = fit.points.len().div_ceil(POINTS).max(1);

@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 
 use super::scalar::{Estimated, wrapped};
 use crate::estimate::{Fit, Parameter};
-use crate::numerics::statistics::{self, NORMAL_95};
+use crate::numerics::statistics::NORMAL_95;
 
 pub(super) const PHASE: &str = "detent_phase";
 pub(super) const PERIOD: &str = "detent_period";
@@ -36,6 +36,7 @@ impl Observation {
     pub(super) fn of(fit: &Fit) -> Self {
         let estimated: Vec<(&Parameter, f64)> =
             fit.parameters.0.iter().filter_map(|parameter| Some((parameter, parameter.value?))).collect();
+        let half_width = |parameter: &Parameter| parameter.half_width().unwrap_or(0.0);
         let known = &fit.covariance;
         let places: Vec<Option<usize>> = estimated
             .iter()
@@ -107,12 +108,5 @@ pub(super) fn to_angle(observations: &mut [Observation], angle_rad: f64) {
     for observation in observations {
         let Some(at) = position(&observation.names, PHASE) else { continue };
         observation.values[at] = centre_rad + wrapped(observation.values[at] - centre_rad);
-    }
-}
-
-fn half_width(parameter: &Parameter) -> f64 {
-    match (parameter.value, parameter.ci95) {
-        (Some(value), Some(ci95)) => statistics::half_width(value, ci95),
-        _ => 0.0,
     }
 }

@@ -59,7 +59,7 @@ pub fn cogging(
         )));
     }
     let taken_mnm = motors_share_mnm(samples, commanded_mnm, known)?;
-    let uniform = Uniform::of(&Samples { torque_mnm: &taken_mnm, ..*samples }, None);
+    let uniform = Uniform::of(&Samples { torque_mnm: &taken_mnm, ..*samples }, known.axis, None);
     let rate_hz = uniform.rate_hz;
     let edge_hz = EDGE_HZ.min(0.2 * rate_hz);
     let band = Band { edge_hz, rate_hz };

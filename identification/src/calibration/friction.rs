@@ -3,7 +3,6 @@
 use dynamics::Calibration;
 
 use super::estimate::{CalibrateError, Calibrated, Estimate, check_command};
-use crate::numerics::statistics::half_width;
 use crate::{Fit, FitOptions, Samples, fit};
 
 /// Friction above which something other than the gripper must have turned, mNm.
@@ -17,7 +16,8 @@ const FRICTION_MNM: f64 = 0.5;
 /// [`CalibrateError`] for a capture that does not accelerate the gripper enough.
 pub fn gripper(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated, CalibrateError> {
     let calibration = Calibration { gripper_inertia: 0.0, ..known.clone() };
-    let options = FitOptions { calibration: Some(calibration), without_detents: true, ..FitOptions::default() };
+    let axis = known.axis;
+    let options = FitOptions { axis, calibration: Some(calibration), without_detents: true, ..FitOptions::default() };
     let fitted = fit(samples, &options)?;
     let (value, half_width) = identified(&fitted, "gripper", "inertia")?;
     let friction_mnm = ["coulomb_negative", "coulomb_positive"]
@@ -53,7 +53,7 @@ pub fn friction(
         *taken_mnm -= cogging.iter().map(|harmonic| harmonic.at_mnm(*angle_rad)).sum::<f64>();
     }
     let motor = Samples { torque_mnm: &taken_mnm, acceleration_rad_s2: None, velocity_rad_s: None, ..*samples };
-    let fitted = fit(&motor, &FitOptions { without_detents: true, ..FitOptions::default() })?;
+    let fitted = fit(&motor, &FitOptions { axis: known.axis, without_detents: true, ..FitOptions::default() })?;
     let estimated = |quantity: &'static str| identified(&fitted, "motor", quantity);
     let mean = |[first, second]: [(f64, f64); 2]| (0.5 * (first.0 + second.0), 0.5 * first.1.hypot(second.1));
     let (inertia, inertia_half) = estimated("inertia")?;
@@ -97,8 +97,8 @@ pub(super) fn motors_share_mnm(
 /// A fitted value with the half width of its 95 % interval.
 fn identified(fitted: &Fit, part: &'static str, quantity: &'static str) -> Result<(f64, f64), CalibrateError> {
     let parameter = fitted.parameters.get(quantity);
-    let estimated = parameter.and_then(|parameter| parameter.value.zip(parameter.ci95));
-    estimated.map(|(value, ci95)| (value, half_width(value, ci95))).ok_or_else(|| {
+    let estimated = parameter.and_then(|parameter| parameter.value.zip(parameter.half_width()));
+    estimated.ok_or_else(|| {
         let reason = parameter.and_then(|parameter| parameter.reason.clone()).unwrap_or_default();
         CalibrateError::NotIdentified { part, quantity, reason }
     })

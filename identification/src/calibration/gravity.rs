@@ -38,7 +38,7 @@ pub fn gravity(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     }
     // Only the delay is taken out: zero and gravity, the rest of the acceleration's correction, are to be fitted.
     let delays = Calibration { acceleration_zero_rad_s2: 0.0, gravity_amplitude_rad_s2: 0.0, ..known.clone() };
-    let uniform = Uniform::of(samples, Some(&delays));
+    let uniform = Uniform::of(samples, known.axis, Some(&delays));
     let Some(measured) = &uniform.acceleration_rad_s2 else { return Err(CalibrateError::NoAcceleration) };
     let measured = prompt(measured, uniform.acceleration_lag_s, uniform.rate_hz);
     let band = Band { edge_hz: EDGE_HZ.min(0.2 * uniform.rate_hz), rate_hz: uniform.rate_hz };

@@ -45,7 +45,7 @@ const MUCH_FRICTION: f64 = 0.05;
 /// [`CalibrateError`] for samples that are no motion, or when neither channel follows it.
 pub fn latency(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated, CalibrateError> {
     samples.check()?;
-    let uniform = Uniform::of(samples, None);
+    let uniform = Uniform::of(samples, known.axis, None);
     let band = band(&uniform);
     let knob_rad = knob_angle_rad(&uniform.angle_rad, &uniform.torque_mnm, Some(known));
     let columns = columns(&band, &knob_rad);
@@ -87,11 +87,12 @@ pub fn command_latency(
     samples: &Samples<'_>,
     commanded_mnm: &[f64],
     late_ticks: f64,
+    known: &Calibration,
 ) -> Result<Estimate, CalibrateError> {
     samples.check()?;
     check_command(samples, commanded_mnm)?;
     let driven = Samples { torque_mnm: commanded_mnm, acceleration_rad_s2: None, velocity_rad_s: None, ..*samples };
-    let uniform = Uniform::of(&driven, None);
+    let uniform = Uniform::of(&driven, known.axis, None);
     let band = band(&uniform);
     let velocity = gradient(&band.smooth(&uniform.angle_rad), uniform.rate_hz);
     let mut columns = columns(&band, &uniform.angle_rad);

@@ -151,7 +151,7 @@ impl ForwardFromCommand {
 }
 
 /// An effect that was added.
-#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Step {
     /// Standard name.
     pub effect: &'static str,

@@ -34,8 +34,9 @@ pub struct DiagnoseOptions<'a> {
     pub model: Option<Model>,
     /// How far from its start the knob may be turned to tell rivals apart, rad; without it as far as it was.
     pub reach_rad: Option<f64>,
-    /// What was commanded from the rig's motor, where the captures tell.
-    pub commanded: Option<CommandedTorque<'a>>,
+    /// What was commanded from the rig's motor in the training and in the held-out capture, where the captures tell; twice the same without
+    /// a held-out one.
+    pub commanded: Option<[CommandedTorque<'a>; 2]>,
     /// Called as the work goes on.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
 }
@@ -62,8 +63,8 @@ pub enum Progress {
 }
 
 /// [`diagnose`], repeated with the captures exchanged if something without a name is missing: the training capture's motion may
-/// show too little of it to predict the other capture. If the repetition names an effect, it is the answer
-/// ([`Diagnosis::captures_are_exchanged`]). A delay alone does not count: most recordings have one.
+/// show too little of it to predict the other capture. If the repetition names an effect, or explains both captures without one, it is the
+/// answer ([`Diagnosis::captures_are_exchanged`]). A delay alone does not count: most recordings have one.
 ///
 /// # Errors
 /// As [`diagnose`].
@@ -75,16 +76,19 @@ pub fn diagnose_either_way(
     let found = diagnose(train, heldout, options)?;
     let has_no_name = found.verdict == Verdict::OutsideLibrary && !names_more_than_a_delay(&found);
     let Some(heldout) = heldout.filter(|_| has_no_name) else { return Ok(found) };
-    let commanded = options.commanded.map(CommandedTorque::exchanged);
+    let commanded = options.commanded.map(|[train, heldout]| [heldout, train]);
     let exchanged = DiagnoseOptions { commanded, ..options.clone() };
-    Ok(match diagnose(heldout, Some(train), &exchanged) {
-        Ok(mut exchanged) if names_more_than_a_delay(&exchanged) => {
-            exchanged.captures_are_exchanged = true;
-            exchanged.summary.push_str(EXCHANGED);
-            exchanged
-        }
-        _ => found,
-    })
+    let Ok(mut exchanged) = diagnose(heldout, Some(train), &exchanged) else { return Ok(found) };
+    let why = if names_more_than_a_delay(&exchanged) {
+        TELLS_TOO_LITTLE
+    } else if exchanged.verdict == Verdict::None && exchanged.complete {
+        EXPLAINS_BOTH
+    } else {
+        return Ok(found);
+    };
+    exchanged.captures_are_exchanged = true;
+    [EXCHANGED, why, "."].into_iter().for_each(|words| exchanged.summary.push_str(words));
+    Ok(exchanged)
 }
 
 fn names_more_than_a_delay(found: &Diagnosis) -> bool {
@@ -92,8 +96,12 @@ fn names_more_than_a_delay(found: &Diagnosis) -> bool {
 }
 
 /// What is said where the captures were exchanged.
-const EXCHANGED: &str = " The captures were exchanged: models were fitted to the one given as held-out and judged by the other one, whose motion \
-                         tells too little of what is missing.";
+const EXCHANGED: &str =
+    " The captures were exchanged: models were fitted to the one given as held-out and judged by the other one, ";
+/// Why, where an effect was then found.
+const TELLS_TOO_LITTLE: &str = "whose motion tells too little of what is missing";
+/// Why, where nothing is missing then.
+const EXPLAINS_BOTH: &str = "which alone determines the model too poorly: with these values it explains both";
 
 /// Finds what a model lacks: names the missing effects, or says that nothing is missing, or that something is missing
 /// that no effect of the catalogue explains.
@@ -156,6 +164,7 @@ pub fn diagnose(
         diagnosis.notes.extend(comparison.zero.map(|zero| again(zero).note()));
         diagnosis.notes.extend(comparison.within(train_capture, given).map(|_| BEYOND.to_owned()));
         diagnosis.notes.extend(undetermined.as_ref().map(Undetermined::note));
+        diagnosis.notes.extend(faults(train_capture, heldout.map(|_| given)));
         return Ok(diagnosis);
     }
 }
@@ -171,6 +180,14 @@ impl Search<'_> {
         // A residual that can be measured shows that something is missing, however little it is.
         if found.characteristics.is_empty() { verdict } else { Verdict::OutsideLibrary }
     }
+}
+
+/// What is wrong with the sensors and samples of the captures, a sentence each.
+fn faults<'a>(train: &'a Capture, heldout: Option<&'a Capture>) -> impl Iterator<Item = String> + 'a {
+    let of = |which: &'static str, capture: &'a Capture| {
+        capture.notes.iter().map(move |note| format!("{which} capture: {note}"))
+    };
+    of("training", train).chain(heldout.into_iter().flat_map(move |heldout| of("held-out", heldout)))
 }
 
 fn prepare(
@@ -218,7 +235,7 @@ type Part<'a> = (&'static str, &'a Samples<'a>, Stretches);
 fn maps([train, heldout]: [Part<'_>; 2], options: &DiagnoseOptions<'_>) -> Option<[Capture; 2]> {
     let known = options.calibration.as_ref();
     let of = |(_, samples, stretches): Part<'_>| {
-        Some(Capture::of_map(Map::of(samples, known, false)?, stretches).on(options.axis))
+        Some(Capture::of_map(Map::of(samples, options.axis, known, false)?, options.axis, stretches))
     };
     Some([of(train)?, of(heldout)?])
 }
@@ -229,8 +246,7 @@ fn prepare_in(
     options: &DiagnoseOptions<'_>,
 ) -> Result<[Capture; 2], DiagnosisError> {
     let of = |(which, samples, stretches): Part<'_>| {
-        Capture::of(samples, options.calibration.as_ref(), edge_hz, stretches)
-            .map(|capture| capture.on(options.axis))
+        Capture::of(samples, options.axis, options.calibration.as_ref(), edge_hz, stretches)
             .map_err(|reason| DiagnosisError::Capture { which, reason })
     };
     Ok([of(train)?, of(heldout)?])

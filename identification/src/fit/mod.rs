@@ -72,12 +72,6 @@ pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError>
     Ok(fit)
 }
 
-/// [`fit`] without its notes on the whole capture, one of which takes a second fit.
-pub(crate) fn fit_without_notes(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
-    let sorted = samples.sorted();
-    fit_in_time(&sorted.as_ref().map_or(*samples, |sorted| sorted.samples()), options)
-}
-
 /// Relative error of a fit, %, from which the signs of torque and angle are in doubt.
 const IN_DOUBT_PERCENT: f64 = 20.0;
 /// The inverted torque is taken for the right one if its fit has less than this share of the relative error.
@@ -101,8 +95,8 @@ fn opposite_signs(samples: &Samples<'_>, options: &FitOptions, fit: &Fit) -> Opt
     })
 }
 
-/// [`fit`] of samples in the order of time.
-fn fit_in_time(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
+/// [`fit`] of samples in the order of time, without its notes on the whole capture, one of which takes a second fit.
+pub(crate) fn fit_in_time(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
     samples.check()?;
     if options.is_quasi_static {
         return quasi_static::fit(samples, options).ok_or(FitError::NoMap);
@@ -122,14 +116,14 @@ fn fit_in_time(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitEr
 /// Fits a capture in which the knob moves fast enough for its speed to be estimated.
 fn fit_moving(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
     let calibration = options.calibration.as_ref();
-    let mut uniform = Uniform::of(samples, calibration);
+    let mut uniform = Uniform::of(samples, options.axis, calibration);
     let fixed = match options.preparation {
         PreparationMethod::Automatic => None,
         PreparationMethod::Paper => Some(paper(&uniform)),
         PreparationMethod::CentralDifferences => Some(central_differences(&uniform)),
     };
-    if let Some(fixed) = fixed {
-        let prepared = fixed.checked()?;
+    if let Some(prepared) = fixed {
+        prepared.row_filter.checked()?;
         let solved = prepared.solve(samples, options);
         return Ok(prepared.report(solved, None, &uniform, samples, options));
     }

@@ -36,13 +36,9 @@ impl<'a> Prepared<'a> {
         let motion =
             exact.unwrap_or_else(|| KnobMotion::measured(uniform, &mut band, calibration, options.acceleration));
         let row_filter = RowFilter::new(uniform, &motion, &band);
+        row_filter.checked()?;
         let torque_mnm = motion.alike(&uniform.torque_mnm, uniform.rate_hz);
-        Self { band, motion, torque_mnm, row_filter }.checked()
-    }
-
-    /// An error if the knob hardly slides.
-    pub(super) fn checked(self) -> Result<Self, FitError> {
-        self.row_filter.checked().map(|()| self)
+        Ok(Self { band, motion, torque_mnm, row_filter })
     }
 
     /// The problem without detents.

@@ -37,6 +37,9 @@ pub(crate) struct Report<'a> {
     misfit: Misfit,
 }
 
+/// Difference of a derivative from 1 or 0 that is rounding.
+const SAME: f64 = 1e-4;
+
 /// A parameter, with its derivatives by the coefficients if it is told and not held at zero.
 type Told = (Parameter, Option<RowDVector<f64>>);
 
@@ -115,7 +118,9 @@ impl<'a> Report<'a> {
     /// The parameters of an effect.
     fn parameters(&self, index: usize, effect: &Effect) -> Vec<Told> {
         let Self { robust, misfit, .. } = self;
-        let Some(regressors) = effect.kind().regressors else { return Vec::new() };
+        if effect.kind().regressors.is_none() {
+            return Vec::new();
+        }
         let jacobian = self.jacobian(index, effect);
         let [variances, textbook] =
             [&robust.matrix, &self.textbook].map(|covariance| &jacobian * covariance * jacobian.transpose());
@@ -124,7 +129,12 @@ impl<'a> Report<'a> {
             _ => 0.0,
         };
         let range = self.trimmed.problem.range(index);
-        let searched_any = !regressors.searched.is_empty();
+        // Of other parameters, such as a phase, several coefficients decide.
+        let is_coefficient = |position: usize| {
+            let unit = |column: usize| f64::from(u8::from(column == range.start + position));
+            position < range.len()
+                && range.clone().all(|column| (jacobian[(position, column)] - unit(column)).abs() < SAME)
+        };
         let parameter = |(position, (kind, value)): (usize, (&'static ParameterKind, f64))| {
             let critical = student_95(robust.degrees_of_freedom_of(&jacobian.row(position).transpose()));
             let derivatives = jacobian.row(position).into_owned();
@@ -132,7 +142,7 @@ impl<'a> Report<'a> {
             let half = misfit.half_width(&derivatives, by_chance, variances[(position, position)]);
             let [below, above] = misfit.without_bounds(&derivatives, critical).unwrap_or([0.0; 2]);
             let half_textbook = NORMAL_95 * textbook[(position, position)].max(0.0).sqrt();
-            let linear = (!searched_any && position < range.len()).then(|| range.start + position);
+            let linear = is_coefficient(position).then(|| range.start + position);
             let held = linear.is_some_and(|column| self.trimmed.solution.at_zero[column]);
             let reason = linear.and_then(|column| {
                 self.at_one_speed(column, critical)
@@ -327,10 +337,9 @@ impl<'a> Report<'a> {
 
     fn column_name(&self, column: usize) -> Option<&'static str> {
         let problem = &self.trimmed.problem;
-        (0..problem.effects.len()).find(|effect| problem.range(*effect).contains(&column)).map(|effect| {
-            let position = column - problem.range(effect).start;
-            problem.effects[effect].kind().parameters[position].name
-        })
+        (0..problem.effects.len())
+            .find(|effect| problem.range(*effect).contains(&column))
+            .map(|effect| problem.effects[effect].kind().column_name(column - problem.range(effect).start))
     }
 
     /// Measured against model in these rows, with the model's standard deviation in every row.

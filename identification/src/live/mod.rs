@@ -9,7 +9,7 @@
 //! ```
 //! use identification::live::{LiveFit, LiveSample, Verdict};
 //!
-//! let mut live = LiveFit::new(10_000.0, None);
+//! let mut live = LiveFit::new(10_000.0, dynamics::Axis::Rotary, None);
 //! for tick in 0..80_000 {
 //!     let time_s = f64::from(tick) / 10_000.0;
 //!     let (sine, cosine) = (3.0 * time_s).sin_cos();
@@ -29,7 +29,7 @@ mod convergence;
 mod estimate;
 mod pipeline;
 
-use dynamics::{Calibration, Effect, effects};
+use dynamics::{Axis, Calibration, Effect, effects};
 
 use crate::detents::angle_bins::{AngleBins, MOST_COLUMNS};
 use crate::numerics::interpolation::cubic_weights;
@@ -139,12 +139,12 @@ fn band_hz(rate_hz: f64) -> f64 {
 }
 
 impl LiveFit {
-    /// A fit without data for a stream of `rate_hz`, corrected by the calibration. It asks for intervals whose half width is
+    /// A fit without data for a stream of `rate_hz` of that axis, corrected by the calibration. It asks for intervals whose half width is
     /// [`USUAL_SHARE`] of the value.
     #[must_use]
-    pub fn new(rate_hz: f64, calibration: Option<&Calibration>) -> Self {
+    pub fn new(rate_hz: f64, axis: Axis, calibration: Option<&Calibration>) -> Self {
         let base_effects = vec![Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];
-        let is_rotary = calibration.is_none_or(|known| known.axis.is_rotary());
+        let is_rotary = axis.is_rotary();
         let columns =
             base_effects.iter().map(|effect| effect.kind().regressors.map_or(0, |r| r.columns)).sum::<usize>();
         Self {

@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use dynamics::{Calibration, Motion};
 
 use super::LiveSample;
+use crate::numerics::derivative::{GRADIENT_REACH, GRADIENT_WEIGHTS};
 use crate::numerics::interpolation::{NEIGHBOURS, cubic_weights};
-use crate::numerics::statistics::MEDIAN_FOURTH_DIFFERENCE;
+use crate::numerics::statistics::{MEDIAN_FOURTH_DIFFERENCE, fourth_difference};
 use crate::preparation::compliance::compliance_rad_mnm;
 use crate::preparation::filter::Fir;
 use crate::preparation::row_filter::{GUARD_S, SLOW, row_low_pass};
@@ -121,10 +122,14 @@ impl Pipeline {
         }
         self.smooth.set(middle, smooth);
         self.smooth_torque.set(middle, torque);
-        // The first smoothed angle is at half + 1, as the alignment needs one sample before; differences need two on each side.
-        let now = middle.checked_sub(2).filter(|now| *now >= half + 3)?;
+        // The first smoothed angle is at half + 1, as the alignment needs one sample before; each derivative needs some on either side.
+        let first = half + 1 + GRADIENT_REACH;
+        let now = middle.checked_sub(GRADIENT_REACH).filter(|now| *now >= first)?;
         self.differentiate(now);
-        let out = now.checked_sub(self.guard).filter(|out| *out >= half + 3 + self.guard)?;
+        let first = first + GRADIENT_REACH;
+        let settled = now.checked_sub(GRADIENT_REACH).filter(|settled| *settled >= first)?;
+        self.acceleration.set(settled, self.velocity.gradient(settled, self.rate_hz));
+        let out = settled.checked_sub(self.guard).filter(|out| *out >= first + self.guard)?;
         Some(Prepared {
             motion: Motion {
                 time_s: self.time.get(out),
@@ -146,12 +151,8 @@ impl Pipeline {
     }
 
     fn differentiate(&mut self, now: usize) {
-        let Self { smooth, rate_hz, .. } = self;
-        let velocity = (smooth.get(now + 1) - smooth.get(now - 1)) * 0.5 * *rate_hz;
-        let acceleration =
-            (smooth.get(now + 2) - 2.0 * smooth.get(now) + smooth.get(now - 2)) * 0.25 * *rate_hz * *rate_hz;
+        let velocity = self.smooth.gradient(now, self.rate_hz);
         self.velocity.set(now, velocity);
-        self.acceleration.set(now, acceleration);
         self.square_speed += velocity * velocity;
         self.speeds += 1;
         let rms = (self.square_speed / self.speeds as f64).sqrt();
@@ -170,8 +171,7 @@ impl Pipeline {
         if newest < 4 {
             return;
         }
-        let at = |back: usize| self.angle.get(newest - back);
-        let fourth = (at(0) - 4.0 * at(1) + 6.0 * at(2) - 4.0 * at(3) + at(4)).abs();
+        let fourth = fourth_difference(&[0, 1, 2, 3, 4].map(|back| self.angle.get(newest - back))).abs();
         if fourth == 0.0 {
             return;
         }
@@ -204,5 +204,11 @@ impl Ring {
 
     fn get(&self, index: usize) -> f64 {
         self.values[index & (self.values.len() - 1)]
+    }
+
+    /// Derivative per second, as the fit of a whole capture takes it.
+    fn gradient(&self, index: usize, rate_hz: f64) -> f64 {
+        let differences = (1..).map(|at| self.get(index + at) - self.get(index - at));
+        rate_hz * GRADIENT_WEIGHTS.iter().zip(differences).map(|(weight, difference)| weight * difference).sum::<f64>()
     }
 }

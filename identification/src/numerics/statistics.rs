@@ -3,7 +3,7 @@
 use std::borrow::Borrow;
 use std::ops::Range;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::numerics::vector::{self, dot};
@@ -75,11 +75,8 @@ pub fn plus_minus(value: f64, half_width: f64) -> String {
 
 /// Standard deviation of Σ `derivatives`ⱼ·valueⱼ for values with this covariance.
 pub(crate) fn deviation_of_sum(covariance: &DMatrix<f64>, derivatives: &[f64]) -> f64 {
-    let columns = covariance.column_iter().zip(derivatives);
-    let variance: f64 = columns
-        .map(|(column, factor)| factor * column.iter().zip(derivatives).map(|(product, by)| product * by).sum::<f64>())
-        .sum();
-    variance.max(0.0).sqrt()
+    let derivatives = DVector::from_column_slice(derivatives);
+    (covariance * &derivatives).dot(&derivatives).max(0.0).sqrt()
 }
 
 /// The interval of this half width about a value.

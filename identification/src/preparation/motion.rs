@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
-use dynamics::{Calibration, Motion};
+use dynamics::{Axis, Calibration, Motion};
 
 use super::band::Band;
 use super::compliance::{compliance_rad_mnm, knob_angle_rad};
@@ -213,9 +213,13 @@ impl KnobMotion {
 ///
 /// # Errors
 /// [`FitError`] for samples that are not a capture of a motion.
-pub fn knob_motion(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Result<Vec<Motion>, FitError> {
+pub fn knob_motion(
+    samples: &Samples<'_>,
+    axis: Axis,
+    calibration: Option<&Calibration>,
+) -> Result<Vec<Motion>, FitError> {
     samples.check()?;
-    let mut uniform = Uniform::of(samples, calibration);
+    let mut uniform = Uniform::of(samples, axis, calibration);
     let exact = KnobMotion::exact(&mut uniform, calibration);
     let mut band = Band::of(&uniform, exact.is_some(), calibration);
     let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &mut band, calibration, AccelerationUse::Best));

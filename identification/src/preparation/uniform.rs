@@ -1,6 +1,6 @@
 //! One sample rate: a capture's columns on an even grid of time.
 
-use dynamics::Calibration;
+use dynamics::{Axis, Calibration};
 
 use super::outliers::without_outliers;
 use super::sampling::own_readings;
@@ -46,8 +46,8 @@ pub(crate) struct Uniform {
 
 impl Uniform {
     /// Places checked samples on a grid of their median period.
-    pub(crate) fn of(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Self {
-        let (whole, wraps) = unwrapped(samples.angle_rad).unzip();
+    pub(crate) fn of(samples: &Samples<'_>, axis: Axis, calibration: Option<&Calibration>) -> Self {
+        let (whole, wraps) = unwrapped(samples.angle_rad, axis).unzip();
         let samples = &Samples { angle_rad: whole.as_deref().unwrap_or(samples.angle_rad), ..*samples };
         let (readings, note) = own_readings(samples).unzip();
         let samples = &readings.as_ref().map_or(*samples, PickedSamples::samples);

@@ -42,7 +42,7 @@ pub(super) fn fit(samples: &Samples<'_>, map: &Map) -> Option<Fit> {
     let coefficients: Vec<f64> = (0..width).map(|column| solution.coefficients[fitted(column)]).collect();
     let (covariance, textbook) = (spread(&covariance), spread(&solution.textbook_covariance()));
     let estimate = Estimate { coefficients, covariance, textbook };
-    let fitted = Fitted { sums, estimate, harmonics: Vec::new(), period_half_width_rad: 0.0 };
+    let fitted = Fitted { sums, estimate, harmonics: Vec::new(), period_half_width_rad: 0.0, whole_turn: false };
     let mut fit = fitted.fit(samples, map, known, NO_DETENTS, map.notes());
     fit.effects.extend(effects);
     fit.characteristics = curves;

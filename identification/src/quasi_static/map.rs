@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use dynamics::Calibration;
+use dynamics::{Axis, Calibration};
 
 use crate::numerics::statistics::{median, noise_deviation};
 use crate::numerics::vector::{extent, smallest_step};
@@ -40,7 +40,7 @@ pub(crate) struct Map {
     /// Direction of each row, +1 or −1.
     pub(super) directions: Vec<i8>,
     saturation: Saturation,
-    /// What was done to the angle, a sentence each.
+    /// What was done to angle and torque, a sentence each.
     cleaned: Vec<String>,
     is_curve: bool,
 }
@@ -48,11 +48,13 @@ pub(crate) struct Map {
 impl Map {
     /// The map of checked samples, corrected by the rig's calibration; `None` if the knob did not pass slowly through its travel. A curve has no
     /// duration, so that it is never too fast.
-    pub(crate) fn of(samples: &Samples<'_>, known: Option<&Calibration>, is_curve: bool) -> Option<Self> {
-        let (whole, wraps) = unwrapped(samples.angle_rad).unzip();
+    pub(crate) fn of(samples: &Samples<'_>, axis: Axis, known: Option<&Calibration>, is_curve: bool) -> Option<Self> {
+        let (whole, wraps) = unwrapped(samples.angle_rad, axis).unzip();
         let (angle_rad, of_angle) = without_outliers(whole.as_deref().unwrap_or(samples.angle_rad), "angle").unzip();
         let angle_rad = angle_rad.as_deref().or(whole.as_deref()).unwrap_or(samples.angle_rad);
-        let samples = &Samples { angle_rad, ..*samples };
+        let (torque_mnm, of_torque) = without_outliers(samples.torque_mnm, "torque").unzip();
+        let torque_mnm = torque_mnm.as_deref().unwrap_or(samples.torque_mnm);
+        let samples = &Samples { angle_rad, torque_mnm, ..*samples };
         let saturation = Saturation::of(samples.torque_mnm);
         let step = smallest_step(samples.angle_rad);
         let duration_s = if is_curve { f64::INFINITY } else { samples.t_s.last()? - samples.t_s.first()? };
@@ -73,7 +75,7 @@ impl Map {
         let rate_hz = (index.len() - 1) as f64 / (time_s[index.len() - 1] - time_s[0]);
         let columns = [time_s, angle_rad, velocity_rad_s, vec![0.0; index.len()]];
         let motion = KnobMotion::as_given(columns, 0.5 * rate_hz);
-        let cleaned = wraps.into_iter().chain(of_angle).collect();
+        let cleaned = wraps.into_iter().chain(of_angle).chain(of_torque).collect();
         Some(Self { motion, torque_mnm, directions, saturation, cleaned, is_curve })
     }
 
@@ -109,9 +111,13 @@ impl Map {
             "{why}: torque against angle and direction was fitted, from {} passes",
             self.directions.chunk_by(|one, other| one == other).count()
         )];
-        notes.extend(self.saturation.note("torque", "mNm"));
-        notes.extend_from_slice(&self.cleaned);
+        notes.extend(self.faults());
         notes
+    }
+
+    /// What is wrong with sensors and samples, a sentence each.
+    pub(crate) fn faults(&self) -> impl Iterator<Item = String> + '_ {
+        self.saturation.note("torque", "mNm").into_iter().chain(self.cleaned.iter().cloned())
     }
 }
 

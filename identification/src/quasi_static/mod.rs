@@ -7,14 +7,17 @@
 mod characteristic;
 mod map;
 
+use std::f64::consts::TAU;
+
 use dynamics::{Effect, ParameterKind, effects};
 
 use crate::estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 use crate::fit::report::{one_sided_friction_of, prediction_sd};
-use crate::numerics::statistics::{NORMAL_95, interval, mean, noise_deviation};
+use crate::numerics::statistics::{NORMAL_95, interval, mean, noise_deviation, range};
 use crate::options::FitOptions;
 use crate::preparation::uniform::typical_step;
 use crate::regression::block_sums::{BlockSums, Estimate, critical};
+use crate::regression::characteristic::Spline;
 use crate::samples::Samples;
 use crate::sinusoids::matching_pursuit::{self, Grid};
 use map::Friction;
@@ -22,7 +25,7 @@ pub(crate) use map::Map;
 
 /// Fits friction and the sinusoids of the angle to checked samples; `None` if the knob did not pass slowly through its travel.
 pub(crate) fn fit(samples: &Samples<'_>, options: &FitOptions) -> Option<Fit> {
-    let map = Map::of(samples, options.calibration.as_ref(), options.is_quasi_static)?;
+    let map = Map::of(samples, options.axis, options.calibration.as_ref(), options.is_quasi_static)?;
     if options.characteristic {
         return characteristic::fit(samples, &map);
     }
@@ -36,7 +39,7 @@ pub(crate) fn fit(samples: &Samples<'_>, options: &FitOptions) -> Option<Fit> {
     let grid = Grid::of(angle_rad);
     let wavenumbers =
         if look_for_detents { matching_pursuit::sinusoids(&mut sums, angle_rad, &grid) } else { Vec::new() };
-    let fitted = Fitted::of(sums, &map, frictions.len(), &wavenumbers)?;
+    let fitted = Fitted::of(sums, &map, frictions.len(), &wavenumbers, grid.whole_turn)?;
 
     let none = if look_for_detents { fitted.no_detents(&grid) } else { "detents were not asked for".to_owned() };
     let mut notes = map.notes();
@@ -54,10 +57,17 @@ struct Fitted {
     harmonics: Vec<Harmonic>,
     /// Half width of the 95 % interval of the strongest one's period, rad.
     period_half_width_rad: f64,
+    /// Whether they repeat after a turn.
+    whole_turn: bool,
 }
 
+/// Points of a table in a period of the finest sinusoid in it: between them it keeps to the sinusoid within 0.1 % of its amplitude.
+const POINTS_A_PERIOD: f64 = 24.0;
+/// Most points of the table.
+const MOST_POINTS: f64 = 9_999.0;
+
 impl Fitted {
-    fn of(mut sums: BlockSums, map: &Map, frictions: usize, wavenumbers: &[f64]) -> Option<Self> {
+    fn of(mut sums: BlockSums, map: &Map, frictions: usize, wavenumbers: &[f64], whole_turn: bool) -> Option<Self> {
         let estimate = sums.estimate()?;
         let harmonics = matching_pursuit::ranked(&sums, &estimate, frictions, wavenumbers)?;
         let mut period_half_width_rad = 0.0;
@@ -71,7 +81,7 @@ impl Fitted {
             }
             sums.truncate(base);
         }
-        Some(Self { sums, estimate, harmonics, period_half_width_rad })
+        Some(Self { sums, estimate, harmonics, period_half_width_rad, whole_turn })
     }
 
     /// The fit with these notes; `no_detents` says why it has no detents, if it has none.
@@ -92,7 +102,7 @@ impl Fitted {
             detent_harmonics: self.harmonics.clone(),
             preparation: preparation(samples, map.torque_mnm.len()),
             notes,
-            effects: self.effects(frictions),
+            effects: self.effects(frictions, map),
             ..Fit::default()
         }
         .compared(self.points(map))
@@ -149,8 +159,8 @@ impl Fitted {
         Parameters(parameters)
     }
 
-    /// Inertia (not estimated), friction and one detent for each sinusoid.
-    fn effects(&self, frictions: &[Friction]) -> Vec<Effect> {
+    /// Inertia (not estimated), friction, the strongest sinusoid as the detent, and the others as one torque over the angle.
+    fn effects(&self, frictions: &[Friction], map: &Map) -> Vec<Effect> {
         let coulomb = |name: &str| {
             let column = frictions.iter().position(|(known, _)| *known == name);
             column.map_or(0.0, |column| self.estimate.coefficients[column].max(0.0))
@@ -158,11 +168,26 @@ impl Fitted {
         let friction = [coulomb("coulomb_negative"), coulomb("coulomb_positive"), 0.0, 0.0];
         let mut effects =
             vec![Effect::new(&effects::inertia::KIND, &[0.0]), Effect::new(&effects::friction::KIND, &friction)];
-        effects.extend(self.harmonics.iter().map(|harmonic| {
-            let values = [harmonic.amplitude_mnm, 1.0 / harmonic.per_turn, harmonic.phase_rad];
-            Effect::new(&effects::detent::KIND, &values)
-        }));
+        if let Some((strongest, others)) = self.harmonics.split_first() {
+            let values = [strongest.amplitude_mnm, 1.0 / strongest.per_turn, strongest.phase_rad];
+            effects.push(Effect::new(&effects::detent::KIND, &values));
+            effects.extend(self.as_table(others, map));
+        }
         effects
+    }
+
+    /// Sinusoids as a torque over the angle, which repeats after a turn if one was covered; `None` for none.
+    fn as_table(&self, sinusoids: &[Harmonic], map: &Map) -> Option<Effect> {
+        let finest = sinusoids.iter().map(|one| one.per_turn).reduce(f64::max)?;
+        let [lowest_rad, highest_rad] = if self.whole_turn { [0.0, TAU] } else { range(&map.motion.angle_rad) };
+        let travel_rad = highest_rad - lowest_rad;
+        let count = (POINTS_A_PERIOD * finest * travel_rad / TAU).clamp(POINTS_A_PERIOD, MOST_POINTS).ceil() as u16;
+        let period_rad = self.whole_turn.then_some(TAU);
+        let spline = Spline::new(&effects::angle_characteristic::KIND, [lowest_rad, highest_rad], count, period_rad)?;
+        let sum_mnm = |angle_rad: &f64| {
+            sinusoids.iter().map(|one| one.amplitude_mnm * (one.per_turn * angle_rad + one.phase_rad).sin()).sum()
+        };
+        spline.effect(&spline.points.iter().map(sum_mnm).collect::<Vec<f64>>())
     }
 
     fn points(&self, map: &Map) -> Vec<Point> {

@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 
 use super::gram::{COLLINEAR, Correction};
 use super::least_squares::LeastSquares;
-use crate::numerics::statistics::{NORMAL_95, mean, range};
+use crate::numerics::statistics::{NORMAL_95, half_width, mean, range};
 use crate::numerics::vector::{self, dot};
 
 /// Numbers of points that are tried.
@@ -31,6 +31,20 @@ pub struct MeasuredCurve {
     pub effect: &'static str,
     /// Points of the spline.
     pub points: Vec<CharacteristicPoint>,
+}
+
+impl MeasuredCurve {
+    /// Half width of the 95 % interval at a value of the coordinate, on a line between its points; `None` outside them, or where the
+    /// capture hardly shows it.
+    pub(crate) fn half_width(&self, at: f64) -> Option<f64> {
+        let next = self.points.partition_point(|point| point.at < at);
+        let right = self.points.get(next)?;
+        let left = if right.at > at { self.points.get(next.checked_sub(1)?)? } else { right };
+        let [before, after] = [left, right].map(|point| point.ci95.map(|ci95| half_width(point.torque_mnm, ci95)));
+        let (before, after) = before.zip(after)?;
+        let share = if right.at > left.at { (at - left.at) / (right.at - left.at) } else { 0.0 };
+        Some(before + share * (after - before))
+    }
 }
 
 /// A point of a measured characteristic.
@@ -66,7 +80,7 @@ impl Spline {
     }
 
     /// Through points at these values of the coordinate; `None` for an effect without a table.
-    fn through(kind: &'static EffectKind, points: Vec<f64>, period_rad: Option<f64>) -> Option<Self> {
+    pub(crate) fn through(kind: &'static EffectKind, points: Vec<f64>, period_rad: Option<f64>) -> Option<Self> {
         let (Part::TorqueTable(of) | Part::FrictionTable(of)) = kind.part else { return None };
         Some(Self { kind, of, points, period_rad })
     }

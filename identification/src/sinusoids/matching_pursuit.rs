@@ -81,9 +81,8 @@ impl Grid {
         let free = |line: &usize| taken.iter().all(|known| (known / self.unit - *line as f64).abs() > near);
         let highest = self.highest.min(lines.len() - 2);
         let best = (self.lowest..=highest).filter(free).max_by(|a, b| power(*a).total_cmp(&power(*b)))?;
-        // A line of noise has two squared normal numbers.
         let mut powers: Vec<f64> = (self.lowest..=highest).map(power).collect();
-        let noise = 2.0 * noise_variance(&mut powers);
+        let noise = noise_variance(&mut powers);
         let independent = (highest - self.lowest + 1) as f64 / if self.whole_turn { 1.0 } else { PADDING };
         let is_clear = power(best) > threshold(independent, MARGIN) * noise
             && power(best) > WORTHWHILE * residual.iter().map(|rest| rest * rest).sum::<f64>();

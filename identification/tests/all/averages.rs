@@ -109,6 +109,60 @@ fn one_capture_is_its_own_mean() {
         assert!((own.value.unwrap() - same.value.unwrap()).abs() < 1e-9, "{name}");
         assert!((half_width(&only, name) / half_width(&mean.fit, name) - 1.0).abs() < 0.05, "{name}");
     }
+    assert!((mean.fit.residual_rms_mnm / only.residual_rms_mnm - 1.0).abs() < 1e-6);
     assert!(mean.repeatability.is_empty());
     assert!(average(&[]).is_none());
+}
+
+#[test]
+fn the_residual_of_a_mean_is_that_of_its_model() {
+    let knob = knobs::paper_knob(4).unwrap();
+    let mut heavier = knob.clone();
+    heavier.effects.iter_mut().find(|effect| effect.kind().name == "inertia").unwrap().values_mut()[0] *= 2.0;
+    let (one, other) = (fitted(&knob, "linear-chirp", 1), fitted(&heavier, "linear-chirp", 2));
+    let own = one.residual_rms_mnm.max(other.residual_rms_mnm);
+    let mean = average(&[one.clone(), one.clone()]).unwrap();
+    assert!((mean.fit.residual_rms_mnm / one.residual_rms_mnm - 1.0).abs() < 0.01);
+    let mean = average(&[one, other]).unwrap();
+    assert!(mean.fit.residual_rms_mnm > 2.0 * own, "{} against {own}", mean.fit.residual_rms_mnm);
+}
+
+#[test]
+fn a_measured_curve_is_the_mean_of_all_captures() {
+    let knob = knobs::paper_knob(3).unwrap();
+    let mut steeper = knob.clone();
+    steeper.effects.iter_mut().find(|effect| effect.kind().name == "detent").unwrap().values_mut()[0] *= 1.5;
+    let measured = |knob: &Model, seed| {
+        let capture = run(knob, "linear-chirp", Drive::Position, None, 8.0, seed);
+        fit(&capture.samples(), &FitOptions { characteristic: true, ..capture.options() }).unwrap()
+    };
+    // The sinusoid's amplitude is √2 times its RMS.
+    let amplitude = |fit: &Fit| {
+        let points = &fit.characteristics[0].points;
+        let known: Vec<f64> =
+            points.iter().filter(|point| point.ci95.is_some()).map(|point| point.torque_mnm).collect();
+        let mean = known.iter().sum::<f64>() / known.len() as f64;
+        (2.0 * known.iter().map(|torque| (torque - mean).powi(2)).sum::<f64>() / known.len() as f64).sqrt()
+    };
+    let fits = [measured(&knob, 1), measured(&knob, 2)];
+    let alike = average(&fits).unwrap();
+    let narrower = |at: usize| {
+        let half = |fit: &Fit| fit.characteristics[0].points[at].ci95.map(|[low, high]| high - low);
+        Some(half(&alike.fit)? / half(&fits[0])?)
+    };
+    let ratios: Vec<f64> = (0..alike.fit.characteristics[0].points.len()).filter_map(narrower).collect();
+    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    println!(
+        "mean of two curves: intervals {mean:.2} of one's, amplitudes {:.3} and {:.3} mNm",
+        amplitude(&fits[0]),
+        amplitude(&fits[1])
+    );
+    assert!(mean < 1.2);
+    let other = measured(&steeper, 3);
+    for fits in [[fits[0].clone(), other.clone()], [other.clone(), fits[0].clone()]] {
+        let mean = average(&fits).unwrap();
+        let (low, high, both) = (amplitude(&fits[0]), amplitude(&fits[1]), amplitude(&mean.fit));
+        let middle = 0.5 * (low + high);
+        assert!((both / middle - 1.0).abs() < 0.05, "{both} between {low} and {high}");
+    }
 }

@@ -5,9 +5,9 @@
 use std::f64::consts::TAU;
 
 use crate::common::{Capture, Uniform, measured, run};
-use dynamics::{Calibration, Drive, knobs};
+use dynamics::{Calibration, Drive, Model, knobs};
 use identification::diagnosis::{DiagnoseOptions, Verdict, diagnose};
-use identification::{Fit, FitError, FitOptions, Samples, fit};
+use identification::{Fit, FitError, FitOptions, Point, Samples, fit};
 
 /// A knob stepped by 0.002 rad with rests, at 1 kHz: friction ±`coulomb`, sinusoids (wavenumber, amplitude, phase).
 fn stepped(turns: &[(f64, f64)], coulomb: [f64; 2], sinusoids: &[[f64; 3]], random: &mut Uniform) -> Capture {
@@ -98,6 +98,10 @@ fn a_stepped_map_tells_exactly_the_sinusoids_that_it_was_made_of() {
         for (name, truth) in [("coulomb_negative", 9.0), ("coulomb_positive", 11.0)] {
             assert!((value(&fit, name) - truth).abs() < 0.3, "seed {seed}: {name}");
         }
+        // The model file holds all of them.
+        let model = Model::from_toml(&fit.model("map").to_toml(), "map").unwrap();
+        let lost_mnm = |point: &Point| (model.torque_mnm(&point.motion()) - point.torque_model_mnm).abs();
+        assert!(fit.points.iter().map(lost_mnm).fold(0.0, f64::max) < 0.05, "seed {seed}");
     }
     // 80 intervals of 95 %: fewer than 68 within would be a chance below one in 10⁴.
     assert!(held >= 68, "{held} of {told} amplitudes lie within their intervals");

@@ -186,3 +186,21 @@ fn a_long_delay_of_the_torque_widens_the_intervals() {
         assert!(half(&late, name) > half(&in_time, name), "{name}");
     }
 }
+
+#[test]
+fn a_delay_beside_a_weight_far_heavier_than_the_noise_is_found() {
+    const WEIGHT_MNM: f64 = 60.0;
+    let late = |seed, motion: Motion| {
+        let mut capture = captured(seed, Logger { rate_hz: 1000.0, bits: 17, noise_mnm: 0.1 }, motion, 0.0);
+        for (torque_mnm, angle_rad) in capture.torque_mnm.iter_mut().zip(&capture.angle_rad) {
+            *torque_mnm += WEIGHT_MNM * (angle_rad - 0.4).sin();
+        }
+        // 3 ms.
+        capture.torque_mnm.rotate_right(3);
+        capture
+    };
+    let found = diagnosed_of([late(6, multisine), late(7, other_multisine)]);
+    assert_eq!(found.effects, ["mass-imbalance", "sensor-delay"], "{}", found.summary);
+    let [low, high] = found.steps[1].parameters["sensor_delay"].ci95.unwrap();
+    assert!(low > 2.7e-3 && high < 3.3e-3, "{low} to {high}");
+}

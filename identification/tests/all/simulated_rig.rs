@@ -1,7 +1,7 @@
 //! Knobs of the paper on the simulated rig: stick, noise, delays, compliance, gripper.
 
 use crate::common::{Capture, run, true_value};
-use dynamics::{Drive, knobs};
+use dynamics::{Axis, Drive, knobs};
 use identification::diagnosis::{DiagnoseOptions, diagnose};
 use identification::fit;
 use identification::live::{LiveFit, LiveSample, Verdict};
@@ -53,7 +53,7 @@ fn intervals_hold_the_truth_of_knobs_1_to_4() {
 fn the_live_fit_comes_to_the_values_of_the_whole_capture() {
     for number in [1, 3, 4] {
         let capture = rig(number, 11);
-        let mut live = LiveFit::new(10_000.0, capture.calibration.as_ref());
+        let mut live = LiveFit::new(10_000.0, Axis::Rotary, capture.calibration.as_ref());
         stream(&mut live, &capture, |_| true);
         let estimate = live.estimate();
         let options = capture.options();
@@ -75,7 +75,7 @@ fn the_live_fit_comes_to_the_values_of_the_whole_capture() {
 #[test]
 fn samples_that_are_missing_here_and_there_do_not_keep_the_live_fit_from_its_values() {
     let capture = rig(4, 11);
-    let mut live = LiveFit::new(10_000.0, capture.calibration.as_ref());
+    let mut live = LiveFit::new(10_000.0, Axis::Rotary, capture.calibration.as_ref());
     // Two of seven.
     stream(&mut live, &capture, |index| index * index % 7 != 2);
     let estimate = live.estimate();
@@ -91,7 +91,7 @@ fn samples_that_are_missing_here_and_there_do_not_keep_the_live_fit_from_its_val
 #[test]
 fn a_gap_in_the_stream_does_not_corrupt_the_live_fit() {
     let capture = rig(4, 12);
-    let mut live = LiveFit::new(10_000.0, capture.calibration.as_ref());
+    let mut live = LiveFit::new(10_000.0, Axis::Rotary, capture.calibration.as_ref());
     stream(&mut live, &capture, |index| !(40_000..43_000).contains(&index) && index % 7001 != 0);
     let estimate = live.estimate();
     for (name, tolerance) in [("inertia", 0.002), ("viscous_positive", 0.01), ("detent_amplitude", 0.002)] {
@@ -103,7 +103,7 @@ fn a_gap_in_the_stream_does_not_corrupt_the_live_fit() {
 
 #[test]
 fn a_stream_that_has_not_moved_the_knob_tells_nothing_yet() {
-    let mut live = LiveFit::new(10_000.0, None);
+    let mut live = LiveFit::new(10_000.0, Axis::Rotary, None);
     for tick in 0..20_000 {
         live.push(&LiveSample { time_s: f64::from(tick) * 1e-4, angle_rad: 0.1, torque_mnm: f64::from(tick % 3) });
     }

@@ -103,6 +103,8 @@ pub(crate) struct Capture {
     pub(crate) is_map: bool,
     /// Orthonormal rows of torques that cannot test a model here, since the capture it was fitted to does not determine them.
     pub(crate) undetermined: Vec<Vec<f64>>,
+    /// What is wrong with sensors and samples, a sentence each.
+    pub(crate) notes: Vec<String>,
     scene: Scene,
 }
 
@@ -115,13 +117,14 @@ impl Capture {
     /// Prepares samples that are to be compared in a band no wider than `edge_hz`.
     pub(crate) fn of(
         samples: &Samples<'_>,
+        axis: Axis,
         calibration: Option<&Calibration>,
         edge_hz: f64,
         stretches: Stretches,
     ) -> Result<Self, FitError> {
         samples.check()?;
         let start_s = samples.t_s[0];
-        let mut uniform = Uniform::of(samples, calibration);
+        let mut uniform = Uniform::of(samples, axis, calibration);
         uniform.time_s.iter_mut().for_each(|time_s| *time_s -= start_s);
         let rate_hz = uniform.rate_hz;
         let count = uniform.time_s.len();
@@ -168,9 +171,10 @@ impl Capture {
             acceleration_noise_share: acceleration_noise_rad_s2 / (dot(&acceleration, &acceleration) / weight).sqrt(),
             angle_step_rad: smallest_step(samples.angle_rad),
             mains,
+            notes: uniform.notes,
             ..Self::without_motion_noise(band, motion, row_filter, [torque, rate, curvature], white_mnm)
         };
-        Ok(capture.since(start_s))
+        Ok(capture.since(start_s, axis))
     }
 
     /// A capture whose motion has no noise and whose torque has white noise of this RMS in the rows, mNm; not yet with a scene.
@@ -199,17 +203,20 @@ impl Capture {
             torque,
             is_map: false,
             undetermined: Vec::new(),
+            notes: Vec::new(),
             scene: Scene::default(),
         }
     }
 
-    /// The same with the time of its first sample, s, and with its scene measured.
-    fn since(self, start_s: f64) -> Self {
-        Self { start_s, scene: self.measured_scene(), ..self }
+    /// The same with the time of its first sample, s, and with its scene measured on this axis.
+    fn since(self, start_s: f64, axis: Axis) -> Self {
+        let scene = Scene { is_rotary: axis.is_rotary(), ..self.measured_scene() };
+        Self { start_s, scene, ..self }
     }
 
     /// Takes a map, torque against angle and direction, row by row as it is.
-    pub(crate) fn of_map(map: Map, stretches: Stretches) -> Self {
+    pub(crate) fn of_map(map: Map, axis: Axis, stretches: Stretches) -> Self {
+        let notes = map.faults().collect();
         let Map { mut motion, torque_mnm, .. } = map;
         let (count, start_s) = (motion.len(), motion.time_s[0]);
         motion.time_s.iter_mut().for_each(|time_s| *time_s -= start_s);
@@ -225,13 +232,7 @@ impl Capture {
         let band = Band::fixed(edge_hz, torque_noise_mnm);
         let torque = [torque_mnm, vec![0.0; count], vec![0.0; count]];
         let capture = Self::without_motion_noise(band, motion, row_filter, torque, torque_noise_mnm);
-        Self { is_map: true, ..capture }.since(start_s)
-    }
-
-    /// The same of an axis.
-    pub(crate) fn on(mut self, axis: Axis) -> Self {
-        self.scene.is_rotary = axis.is_rotary();
-        self
+        Self { is_map: true, notes, ..capture }.since(start_s, axis)
     }
 
     /// The capture without the rows beyond the angles of another capture; `None` if there are no such rows, or too few others.

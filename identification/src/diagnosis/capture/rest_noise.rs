@@ -1,7 +1,7 @@
 //! The torque sensor's noise, as it shows while the knob rests.
 
 use super::periodogram::periodogram;
-use crate::numerics::statistics::median;
+use crate::numerics::statistics::{median, runs};
 use crate::numerics::vector;
 use crate::preparation::motion::KnobMotion;
 use crate::preparation::row_filter::RowFilter;
@@ -25,18 +25,14 @@ pub(super) fn in_rows_mnm(
     torque_mnm: &[f64],
 ) -> Option<f64> {
     let shortest = (REST_S * uniform.rate_hz).round() as usize + 2 * row_filter.fir.half_length();
-    let resting =
-        |index: usize| motion.velocity_rad_s[index].abs() <= row_filter.threshold_rad_s && uniform.present[index];
+    let speeds = motion.velocity_rad_s.iter().zip(&uniform.present);
+    let is_rest: Vec<bool> =
+        speeds.map(|(velocity, present)| velocity.abs() <= row_filter.threshold_rad_s && *present).collect();
     // Frequency in cycles per row, and density in mean squares per cycle.
     let mut lines: Vec<[f64; 2]> = Vec::new();
     let mut count = 0;
-    let mut start = 0;
-    for end in 0..=motion.len() {
-        if end < motion.len() && resting(end) {
-            continue;
-        }
-        let settled = start + motion.reach..end.saturating_sub(motion.reach);
-        start = end + 1;
+    for rest in runs(&is_rest, |one, other| one == other).filter(|run| is_rest[run.start]) {
+        let settled = rest.start + motion.reach..rest.end.saturating_sub(motion.reach);
         if settled.len() < shortest {
             continue;
         }

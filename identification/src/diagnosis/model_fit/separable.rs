@@ -343,7 +343,7 @@ impl<'a> Separable<'a> {
 
 #[cfg(test)]
 mod tests {
-    use dynamics::effects;
+    use dynamics::{Axis, effects};
 
     use super::*;
     use crate::Samples;
@@ -369,7 +369,7 @@ mod tests {
             acceleration_rad_s2: Some(&acceleration_rad_s2),
             torque_mnm: &torque_mnm,
         };
-        let Ok(capture) = Capture::of(&samples, None, 12.5, Stretches::All) else {
+        let Ok(capture) = Capture::of(&samples, Axis::Rotary, None, 12.5, Stretches::All) else {
             panic!("the capture can be prepared")
         };
         let none = [Effect::new(&effects::inertia::KIND, &[1.0]), Effect::new(&effects::sensor_delay::KIND, &[0.0])];

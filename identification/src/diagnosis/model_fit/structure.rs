@@ -264,7 +264,7 @@ impl Structure {
 
     /// Indices of the factors on friction.
     pub(crate) fn factors(&self) -> Vec<usize> {
-        self.indices(|part| matches!(part, Part::CoulombFactor(_) | Part::FrictionFactor(_)))
+        self.indices(Part::changes_friction)
     }
 
     /// Indices of the effects that are friction in proportion to the load.

@@ -167,36 +167,21 @@ fn motion(shaft: &Coupling, outer: f64, delay_s: f64, capture: &Capture) -> Knob
 }
 
 /// Frequency response of the rows behind a shaft: torque at the sensor over torque on the inner inertia, scaled so that the noise of both
-/// sensors has the same power as without the shaft.
+/// sensors has the same power as without the shaft. The angle's noise acts through the effective inertia of both bodies at the sensor.
 fn response(shaft: &Coupling, inertia: f64, capture: &Capture) -> Response {
     let row_filter = &capture.row_filter;
     let rate_hz = capture.row_rate_hz();
+    let [outer, inner] = shaft.inertias(inertia);
+    let of_torque = capture.torque_density();
     Response::new(row_filter.mask.len().div_ceil(row_filter.step), &|cycles| {
-        let Passed { torque, noise_power } = Passed::at(cycles * rate_hz, shaft, inertia, capture);
-        torque / noise_power.sqrt()
-    })
-}
-
-/// Response of a shaft to torque and noise at a frequency.
-struct Passed {
-    /// Torque at the sensor over torque on the inner inertia.
-    torque: Complex<f64>,
-    /// Power of both sensors' noise beside that torque, relative to that with a stiff shaft. The angle's noise acts through the effective
-    /// inertia of both bodies at the sensor.
-    noise_power: f64,
-}
-
-impl Passed {
-    fn at(frequency_hz: f64, shaft: &Coupling, inertia: f64, capture: &Capture) -> Self {
+        let frequency_hz = cycles * rate_hz;
         let turning = TAU * frequency_hz;
         let spring = Complex::new(shaft.stiffness_mnm_rad, turning * shaft.damping);
-        let [outer, inner] = shaft.inertias(inertia);
         let torque = spring / (spring - inner * turning * turning);
         let felt = torque * (outer + inner * (1.0 - outer * turning * turning / spring));
-        let of_torque = capture.torque_density();
         let of_angle = capture.motion.acceleration_density(frequency_hz, capture.motion.angle_density);
         let without = of_torque + inertia * inertia * of_angle;
         let noise_power = if without > 0.0 { (of_torque + felt.norm_sqr() * of_angle) / without } else { 1.0 };
-        Self { torque, noise_power }
-    }
+        torque / noise_power.sqrt()
+    })
 }

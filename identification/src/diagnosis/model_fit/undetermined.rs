@@ -100,11 +100,5 @@ fn columns(structure: &Structure, capture: &Capture) -> Vec<Vec<f64>> {
 fn name(structure: &Structure, column: usize) -> &'static str {
     let ranges = structure.ranges();
     let index = ranges.iter().position(|range| range.contains(&column)).unwrap_or(0);
-    let kind = structure.effects[index].kind();
-    match kind.regressors {
-        Some(regressors) if regressors.columns == kind.parameters.len() => {
-            kind.parameters[column - ranges[index].start].name
-        }
-        _ => kind.name,
-    }
+    structure.effects[index].kind().column_name(column - ranges[index].start)
 }

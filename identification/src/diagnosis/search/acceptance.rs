@@ -58,7 +58,8 @@ pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldou
         && predicts_better(before, after);
     predicts
         && (takes_enough && (is_steady || may_be_seldom && unseen > EVIDENCE) || speaks_for_itself && is_steady)
-        && closed > UNEXPLAINED * UNEXPLAINED * first.excess_above_lower_floor(after)
+        && (closed > UNEXPLAINED * UNEXPLAINED * first.excess_above_lower_floor(after)
+            || before.most_over_floor() > MOSTLY_NOISE && explains_nearly_all(before, after))
 }
 
 /// Whether a model's residual may be noise alone, given how well the floor is known.
@@ -102,9 +103,9 @@ pub(crate) fn explains_surely(before: &Judged, after: &Judged) -> bool {
 }
 
 /// Whether so little of the first model's gap is left that no further effect could be worth a name, even if the floor
-/// were lower than estimated.
+/// were lower than estimated. Beside a very large gap, such as a weight's, a small share is still far above the noise.
 pub(crate) fn explains_the_gap(judged: &Judged, first: &Judged) -> bool {
-    leaves_at_most(UNEXPLAINED, judged, first)
+    leaves_at_most(UNEXPLAINED, judged, first) && judged.most_over_floor() < MOSTLY_NOISE
 }
 
 /// Whether so little of the first model's gap is left that a coupling, which costs most, need not be tried in the same place.

@@ -28,7 +28,7 @@ use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::model_fit::twist;
 use crate::diagnosis::model_fit::unequal;
 use crate::diagnosis::workflow::{DiagnoseOptions, Progress};
-use crate::fit::fit_without_notes;
+use crate::fit::fit_in_time;
 use crate::numerics::statistics::false_discovery_rate;
 use crate::numerics::vector::dot;
 use crate::{FitError, FitOptions, Samples};
@@ -72,11 +72,14 @@ impl<'a> Search<'a> {
                     calibration: self.options.calibration.clone(),
                     // A pressed control has a curve instead of detents.
                     characteristic: !self.options.axis.is_rotary(),
+                    axis: self.options.axis,
                     ..FitOptions::default()
                 };
-                match fit_without_notes(samples, &options) {
-                    // A map's fit has a detent for each sinusoid: all but the first are left for the search to find.
-                    Ok(fit) if self.train.is_map => fit.effects().iter().take(3).copied().collect(),
+                match fit_in_time(samples, &options) {
+                    // A map's fit has a table of the sinusoids beside the detents: they are left for the search to find.
+                    Ok(fit) if self.train.is_map && self.options.axis.is_rotary() => {
+                        fit.effects().iter().filter(|effect| effect.table().is_none()).copied().collect()
+                    }
                     Ok(fit) => fit.effects().to_vec(),
                     // Too slow or too coarse to look for detents; in a narrow band the rest can still be told.
                     Err(FitError::HardlyMoving { .. }) => {

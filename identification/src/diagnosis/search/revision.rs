@@ -1,7 +1,7 @@
 //! Reconsiders effects beside those that were added after them.
 
+use dynamics::Effect;
 use dynamics::effects::{self, cogging};
-use dynamics::{Effect, EffectKind};
 
 use crate::diagnosis::search::Search;
 use crate::diagnosis::search::acceptance::{FALSE_DISCOVERIES, TIE, takes_its_part, worthwhile};
@@ -9,34 +9,28 @@ use crate::diagnosis::search::found::{Added, Found};
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::trials::detent_of;
 
-/// Pairs of effects. The first acts like the second if the capture does not show the parameter that the second lacks: a spring far from
-/// its centre is an offset.
-static CONTAINS: [(&EffectKind, &EffectKind); 1] = [(&effects::return_spring::KIND, &effects::torque_offset::KIND)];
-
 /// The best start of a replacement must explain this share of what the effect to be replaced explains.
 const RIVALS: f64 = 0.1;
 
 impl Search<'_> {
-    /// Replaces an effect by the simpler one that it contains where that one fits or predicts no worse.
+    /// Replaces a return spring by an offset where that one fits or predicts no worse: a spring far from its centre is an offset.
     pub(crate) fn simplify(&self, found: &mut Found) {
-        for (larger, contained) in CONTAINS {
-            let Some(step) = found.step_of(larger.name) else { continue };
-            let Some(with_larger) = found.named().clone().with_newest(larger.name) else { continue };
-            let Some(without) = self.without(&with_larger, larger.name, found) else { continue };
-            if without.structure.position(contained.name).is_some() {
-                continue;
-            }
-            let simple = without.structure.with(Effect::new(contained, &[]), contained.columns_of_a_line());
-            let simple = self.settled(simple);
-            let is_as_good =
-                with_larger.evidence - simple.evidence < TIE || simple.heldout_rms_mnm <= with_larger.heldout_rms_mnm;
-            if is_as_good && self.is_worth_a_name(&without, &simple, found) {
-                // The rivals of an earlier effect were tried beside fewer effects.
-                let is_newest = step + 1 == found.steps.len();
-                let Added { rivals, is_part, .. } = self.remove(found, step, without);
-                let rivals = if is_newest { rivals } else { Vec::new() }.into_iter().chain([with_larger]);
-                self.add(found, simple, rivals.collect(), is_part);
-            }
+        let (spring, offset) = (effects::return_spring::KIND.name, &effects::torque_offset::KIND);
+        let Some(step) = found.step_of(spring) else { return };
+        let Some(with_spring) = found.named().clone().with_newest(spring) else { return };
+        let Some(without) = self.without(&with_spring, spring, found) else { return };
+        if without.structure.position(offset.name).is_some() {
+            return;
+        }
+        let simple = self.settled(without.structure.with(Effect::new(offset, &[]), offset.columns_of_a_line()));
+        let is_as_good =
+            with_spring.evidence - simple.evidence < TIE || simple.heldout_rms_mnm <= with_spring.heldout_rms_mnm;
+        if is_as_good && self.is_worth_a_name(&without, &simple, found) {
+            // The rivals of an earlier effect were tried beside fewer effects.
+            let is_newest = step + 1 == found.steps.len();
+            let Added { rivals, is_part, .. } = self.remove(found, step, without);
+            let rivals = if is_newest { rivals } else { Vec::new() }.into_iter().chain([with_spring]);
+            self.add(found, simple, rivals.collect(), is_part);
         }
     }
 

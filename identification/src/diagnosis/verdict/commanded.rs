@@ -14,47 +14,35 @@ const SLOW: f64 = 0.1;
 /// A command stands for a sample at most this many periods later; then samples were lost.
 const STALE: f64 = 1.5;
 
-/// The column of commands of each capture, mNm, a value for each of its samples; NaN where it is unknown.
+/// The commands to the rig's motor during a capture.
 #[derive(Clone, Copy, Debug)]
 pub struct CommandedTorque<'a> {
-    /// Of the training capture.
-    pub train: &'a [f64],
-    /// Time of the training capture's samples, s.
-    pub train_t_s: &'a [f64],
-    /// Of the held-out capture; the training capture's where there is none.
-    pub heldout: &'a [f64],
-    /// Time of the held-out capture's samples, s.
-    pub heldout_t_s: &'a [f64],
-}
-
-impl CommandedTorque<'_> {
-    /// The same with the captures exchanged.
-    pub(crate) fn exchanged(self) -> Self {
-        let Self { train, train_t_s, heldout, heldout_t_s } = self;
-        Self { train: heldout, train_t_s: heldout_t_s, heldout: train, heldout_t_s: train_t_s }
-    }
+    /// A command for each sample, mNm; NaN where it is unknown.
+    pub torque_mnm: &'a [f64],
+    /// Time of the samples, s.
+    pub t_s: &'a [f64],
 }
 
 /// Errors of the held-out motion predicted from the command with each model of `chain`; the error says why there are none.
 pub(crate) fn forward(
     chain: &[Model],
     [train, heldout]: [&Capture; 2],
-    commanded: Option<&CommandedTorque<'_>>,
+    commanded: Option<[CommandedTorque<'_>; 2]>,
     known: Option<&Calibration>,
 ) -> Result<ForwardFromCommand, &'static str> {
-    let commanded = commanded.ok_or("a capture has no column of commanded torque; captures of a rig have one")?;
+    let [of_train, of_heldout] =
+        commanded.ok_or("a capture has no column of commanded torque; captures of a rig have one")?;
     let known = known.ok_or("nothing is known of the rig's motor without a calibration; lay one beside the capture")?;
     // The torque that the motor's known cogging takes is subtracted from the command.
     let cogging = known.motor_cogging.as_deref().unwrap_or_default();
     let cogging_mnm = |motion: &Motion| cogging.iter().map(|harmonic| harmonic.at_mnm(motion.angle_rad)).sum::<f64>();
-    let on_grid = |t_s: &[f64], commanded_mnm: &[f64], capture: &Capture| -> Vec<f64> {
-        let commands_mnm = on_grid(t_s, commanded_mnm, capture).into_iter().zip(capture.motions());
+    let on_grid = |commanded: CommandedTorque<'_>, capture: &Capture| -> Vec<f64> {
+        let commands_mnm = on_grid(commanded, capture).into_iter().zip(capture.motions());
         commands_mnm.map(|(command_mnm, motion)| command_mnm - cogging_mnm(motion)).collect()
     };
-    let of_train = on_grid(commanded.train_t_s, commanded.train, train);
-    let motor = motor(known.motor_inertia, train, &of_train)
+    let motor = motor(known.motor_inertia, train, &on_grid(of_train, train))
         .ok_or("the training capture does not tell the motor's friction; turn the knob faster, both ways")?;
-    let commands = on_grid(commanded.heldout_t_s, commanded.heldout, heldout);
+    let commands = on_grid(of_heldout, heldout);
     let mut angle_rms_rad = Vec::new();
     for model in chain {
         let errors = forward_windows_from_command(model, &motor, heldout.motions(), &commands, FORWARD_WINDOW_S);
@@ -69,7 +57,7 @@ pub(crate) fn forward(
 }
 
 /// The command that holds at each motion, mNm.
-fn on_grid(t_s: &[f64], commanded_mnm: &[f64], capture: &Capture) -> Vec<f64> {
+fn on_grid(CommandedTorque { torque_mnm, t_s }: CommandedTorque<'_>, capture: &Capture) -> Vec<f64> {
     let rate_hz = capture.rate_hz;
     let mut index = 0;
     let each = capture.motions().iter().map(|motion| {
@@ -79,7 +67,7 @@ fn on_grid(t_s: &[f64], commanded_mnm: &[f64], capture: &Capture) -> Vec<f64> {
             index += 1;
         }
         let is_stale = t_s.get(index).is_none_or(|time_s| (now_s - time_s).abs() > STALE / rate_hz);
-        if is_stale { f64::NAN } else { commanded_mnm.get(index).copied().unwrap_or(f64::NAN) }
+        if is_stale { f64::NAN } else { torque_mnm.get(index).copied().unwrap_or(f64::NAN) }
     });
     each.collect()
 }

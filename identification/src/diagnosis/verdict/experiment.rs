@@ -28,13 +28,15 @@ pub(crate) fn next(
     let scene = capture.scene_of(rivals[0]);
     let reach_rad = reach_rad.unwrap_or(0.5 * scene.travel_rad());
     let floor_mnm = capture.floor_mnm(rivals[0].inertia());
-    let mut best: Option<NextExperiment> = None;
+    // Independent rows of noise, each with half the square of the difference over it.
+    let rows = 2.0 * capture.band.edge_hz * DURATION_S;
+    let evidence = |difference_rms_mnm: f64| 0.5 * rows * (difference_rms_mnm / floor_mnm).powi(2);
+    let mut best: Option<(f64, &str, f64)> = None;
     for name in excitation::NAMES.iter().filter(|name| !matches!(**name, "hold" | "torque-ramp")) {
         let Ok(usual) = Excitation::named(name, Drive::Position) else { continue };
         for share in AMPLITUDES {
             let Ok(sweep) = usual.with_amplitude(share * reach_rad.min(usual.amplitude)) else { continue };
-            let motions = motions(&sweep, scene.highest_speed_rad_s);
-            let Some(motions) = motions else { continue };
+            let Some(motions) = motions(&sweep, scene.highest_speed_rad_s) else { continue };
             let torques = rivals.map(|rival| rival.model().readings_mnm(&motions));
             let mut squares = 0.0;
             for (index, motion) in motions.iter().enumerate() {
@@ -47,35 +49,29 @@ pub(crate) fn next(
                     squares += (difference + late).powi(2);
                 }
             }
-            let difference_rms_mnm = (squares / motions.len() as f64).sqrt();
-            // Independent rows of noise, each with half the square of the difference over it.
-            let rows = 2.0 * capture.band.edge_hz * DURATION_S;
-            let expected_evidence = 0.5 * rows * (difference_rms_mnm / floor_mnm).powi(2);
-            if expected_evidence.is_finite()
-                && expected_evidence > WORTH_NATS
-                && best.as_ref().is_none_or(|best| difference_rms_mnm > best.difference_rms_mnm)
-            {
-                best = Some(NextExperiment {
-                    excitation: (*name).to_owned(),
-                    amplitude_rad: sweep.amplitude,
-                    tells_apart: names.map(str::to_owned),
-                    difference_rms_mnm,
-                    difference_over_noise: difference_rms_mnm / floor_mnm,
-                    expected_evidence,
-                    reason: format!(
-                        "capture with --sweep {name} --amplitude {:.3}: there {} and {} differ by {:.2} mNm RMS, {:.1} \
-                         times the noise",
-                        sweep.amplitude,
-                        names[0],
-                        names[1],
-                        difference_rms_mnm,
-                        difference_rms_mnm / floor_mnm
-                    ),
-                });
+            let rms_mnm = (squares / motions.len() as f64).sqrt();
+            if evidence(rms_mnm).is_finite() && best.is_none_or(|(most_mnm, ..)| rms_mnm > most_mnm) {
+                best = Some((rms_mnm, *name, sweep.amplitude));
             }
         }
     }
-    best
+    let (difference_rms_mnm, name, amplitude_rad) = best?;
+    let expected_evidence = evidence(difference_rms_mnm);
+    (expected_evidence > WORTH_NATS).then(|| NextExperiment {
+        excitation: name.to_owned(),
+        amplitude_rad,
+        tells_apart: names.map(str::to_owned),
+        difference_rms_mnm,
+        difference_over_noise: difference_rms_mnm / floor_mnm,
+        expected_evidence,
+        reason: format!(
+            "capture with --sweep {name} --amplitude {amplitude_rad:.3}: there {} and {} differ by {difference_rms_mnm:.2} mNm RMS, {:.1} \
+             times the noise",
+            names[0],
+            names[1],
+            difference_rms_mnm / floor_mnm
+        ),
+    })
 }
 
 /// The motion of an excitation; `None` if it is much faster than the knob was ever turned.

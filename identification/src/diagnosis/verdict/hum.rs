@@ -37,7 +37,6 @@ impl Search<'_> {
         diagnosis.steps.push(Step {
             effect: kind.name,
             parameters: parameters.collect(),
-            detents: Vec::new(),
             train_rms_before: train_rms,
             train_rms_after: train_rms,
             heldout_rms_before: heldout_rms,
@@ -46,8 +45,7 @@ impl Search<'_> {
             steadiness: f64::NAN,
             false_discovery_rate: heldout.ln_p_value.exp(),
             placebo_rms: heldout_rms,
-            ties: Vec::new(),
-            rivals: Vec::new(),
+            ..Step::default()
         });
         diagnosis.effects.push(kind.name);
         let effect = Effect::new(kind, &values);

@@ -180,8 +180,7 @@ impl Search<'_> {
         self.add_hum_above_the_band(&mut diagnosis, last);
         diagnosis.summary = diagnosis.in_one_sentence();
         let known = self.options.calibration.as_ref();
-        let commanded = self.options.commanded.as_ref();
-        match commanded::forward(&diagnosis.chain, [self.train, self.heldout], commanded, known) {
+        match commanded::forward(&diagnosis.chain, [self.train, self.heldout], self.options.commanded, known) {
             Ok(forward) => diagnosis.forward_from_command = Some(forward),
             Err(reason) => diagnosis.notes.push(format!("motion is not predicted from the command: {reason}")),
         }

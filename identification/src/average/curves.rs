@@ -1,0 +1,77 @@
+//! Torques that several captures measured point by point, made into one curve.
+
+use dynamics::{Effect, Model, Motion, effects};
+
+use super::scalar::{Estimated, combined};
+use crate::estimate::Fit;
+use crate::numerics::statistics::interval;
+use crate::regression::characteristic::{CharacteristicPoint, MeasuredCurve, Spline};
+
+/// The mean of each measured curve with the effect through its points; a capture takes part where its own points show the torque.
+pub(super) fn mean(fits: &[Fit]) -> Vec<(MeasuredCurve, Effect)> {
+    let kinds = [&effects::angle_characteristic::KIND, &effects::friction_characteristic::KIND];
+    let of_kind = |kind: &&'static dynamics::EffectKind| {
+        let measured: Vec<Branch<'_>> = fits.iter().filter_map(|fit| Branch::of(fit, kind.name)).collect();
+        // Where a capture passed both ways and its fit has no friction over the angle, it showed none.
+        let even = if measured.is_empty() { 0 } else { fits.iter().filter(|fit| is_even(fit, kind.name)).count() };
+        let points: Vec<CharacteristicPoint> =
+            places(&measured)?.into_iter().map(|at| point(&measured, even, at)).collect();
+        let (at, torque_mnm): (Vec<f64>, Vec<f64>) = points.iter().map(|point| (point.at, point.torque_mnm)).unzip();
+        let effect = Spline::through(kind, at, None)?.effect(&torque_mnm)?;
+        Some((MeasuredCurve { effect: kind.name, points }, effect))
+    };
+    kinds.iter().filter_map(of_kind).collect()
+}
+
+/// A capture's curve and the model that interpolates it.
+struct Branch<'a> {
+    curve: &'a MeasuredCurve,
+    spline: Model,
+}
+
+impl<'a> Branch<'a> {
+    fn of(fit: &'a Fit, name: &str) -> Option<Self> {
+        let curve = fit.characteristics.iter().find(|curve| curve.effect == name)?;
+        let effect = fit.effects.iter().find(|effect| effect.kind().name == name)?;
+        Some(Self { curve, spline: Model { effects: vec![*effect], ..Model::default() } })
+    }
+
+    /// The torque at an angle, of a friction that of the positive direction; `None` where the capture hardly shows it.
+    fn estimate(&self, at: f64) -> Option<(f64, f64)> {
+        let half_width = self.curve.half_width(at)?;
+        let motion = Motion { angle_rad: at, velocity_rad_s: 1.0, ..Motion::default() };
+        Some((self.spline.torque_mnm(&motion), half_width))
+    }
+}
+
+/// Whether a fit that measured its curves found friction in both directions and no variation of it over the angle.
+fn is_even(fit: &Fit, name: &str) -> bool {
+    let known = |name: &str| fit.parameters.get(name).is_some_and(|known| known.value.is_some());
+    name == effects::friction_characteristic::KIND.name
+        && !fit.characteristics.is_empty()
+        && fit.characteristics.iter().all(|curve| curve.effect != name)
+        && known("coulomb_negative")
+        && known("coulomb_positive")
+}
+
+/// The places of the capture with the most points, and those of others beyond them, in rising order; `None` without a capture.
+fn places(measured: &[Branch<'_>]) -> Option<Vec<f64>> {
+    let places = |branch: &Branch<'_>| branch.curve.points.iter().map(|point| point.at).collect::<Vec<f64>>();
+    let mut all = places(measured.iter().max_by_key(|branch| branch.curve.points.len())?);
+    let (first, last) = (*all.first()?, *all.last()?);
+    all.extend(measured.iter().flat_map(places).filter(|at| *at < first || *at > last));
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    Some(all)
+}
+
+/// The mean at one place, with `even` captures that show no torque there; zero without an interval where no capture shows it.
+fn point(measured: &[Branch<'_>], even: usize, at: f64) -> CharacteristicPoint {
+    let mut estimates: Vec<(f64, f64)> = measured.iter().filter_map(|branch| branch.estimate(at)).collect();
+    if estimates.is_empty() {
+        return CharacteristicPoint { at, torque_mnm: 0.0, ci95: None };
+    }
+    estimates.extend(std::iter::repeat_n((0.0, 0.0), even));
+    let Estimated { value, half_width } = combined(&estimates);
+    CharacteristicPoint { at, torque_mnm: value, ci95: Some(interval(value, half_width)) }
+}
