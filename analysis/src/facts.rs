@@ -26,13 +26,15 @@ pub fn facts(loaded: &LoadedCapture) -> CaptureFacts {
         ..CaptureFacts::default()
     };
     let Some(run) = &capture.description else { return facts };
+    // What was made of a table or simulated was never run.
+    let was_run = run.clock.wall_clock_time_ns > 0;
     CaptureFacts {
         knob: run.knob.clone(),
         rig: run.apparatus.clone(),
-        captured_at: captured_at(run.clock.wall_clock_time_ns),
-        missed_ticks: Some(capture.missed_tick_count()),
+        captured_at: if was_run { captured_at(run.clock.wall_clock_time_ns) } else { String::new() },
+        missed_ticks: was_run.then(|| capture.missed_tick_count()),
         gaps: Some(capture.lost_samples()),
-        real_time: Some(run.realtime & shared_types::realtime::FULL == shared_types::realtime::FULL),
+        real_time: was_run.then_some(run.realtime & shared_types::realtime::FULL == shared_types::realtime::FULL),
         ..facts
     }
 }

@@ -28,7 +28,11 @@ fn in_words_of(axis: Axis, value: Value, is_phase: bool) -> Value {
         Value::Object(map) => {
             let entry = |(key, value): (String, Value)| {
                 let is_phase = is_phase || key.contains("phase");
-                let keep = value.is_string() && AS_GIVEN.contains(&key.as_str());
+                let is_name = match &value {
+                    Value::Array(values) => values.iter().all(Value::is_string),
+                    one => one.is_string(),
+                };
+                let keep = is_name && AS_GIVEN.contains(&key.as_str());
                 let value = if keep { value } else { in_words_of(axis, value, is_phase) };
                 (axis.words(&key).into_owned(), value)
             };

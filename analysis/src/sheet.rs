@@ -33,14 +33,19 @@ fn files_in(folder: &Path) -> Result<Vec<PathBuf>, AnalysisError> {
     let paths: Result<Vec<PathBuf>, std::io::Error> = entries.map(|entry| Ok(entry?.path())).collect();
     let mut paths = paths.map_err(unreadable)?;
     paths.retain(|path| ENDINGS.iter().any(|ending| ends_in(path, ending)) && !is_result(path));
-    let archives = paths.iter().filter(|path| ends_in(path, "mcap"));
-    let archives: HashSet<PathBuf> = archives.map(|path| path.with_extension("")).collect();
-    paths.retain(|path| !ends_in(path, "csv") || !archives.contains(&path.with_extension("")));
+    leave_exports_out(&mut paths, |path| path);
     paths.sort();
     if paths.is_empty() {
         return Err(AnalysisError::NoCaptures { folder: folder.to_owned(), endings: ENDINGS.join(", .") });
     }
     Ok(paths)
+}
+
+/// Leaves out the tables that lie beside an archive of the same name: they were exported from it.
+pub fn leave_exports_out<File>(files: &mut Vec<File>, path: impl Fn(&File) -> &Path) {
+    let archives = files.iter().map(&path).filter(|path| ends_in(path, "mcap"));
+    let archives: HashSet<PathBuf> = archives.map(|path| path.with_extension("")).collect();
+    files.retain(|file| !ends_in(path(file), "csv") || !archives.contains(&path(file).with_extension("")));
 }
 
 fn ends_in(path: &Path, ending: &str) -> bool {

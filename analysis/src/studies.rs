@@ -1,12 +1,12 @@
 //! Figures of many units, and what they tell of a process and of a tester.
 
 use std::collections::BTreeMap;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use archive::testers::ColumnChoice;
+use archive::{Capture, Overview};
 use dynamics::Axis;
-use foreign_files::{Column, OtherColumns, TableError, read_columns};
+use foreign_files::{Column, OtherColumns, TableError, read_labelled};
 use sheet::{
     Capability, CapabilityError, Design, FigureKind, Gauge, GaugeError, Limits, QdasRow, Sheet, Specification, kinds,
     kinds_of,
@@ -139,13 +139,11 @@ impl Study {
         specification: Option<&Specification>,
     ) -> Result<Self, StudyError> {
         let figures = studied(figure, specification, None)?;
-        let mut bytes = Vec::new();
-        foreign_files::open(table)
-            .and_then(|mut file| file.read_to_end(&mut bytes))
-            .map_err(|error| AnalysisError::Unreadable { path: table.to_owned(), error })?;
-        let [values] = read_columns(bytes.as_slice(), [Column::required(VALUE)], OtherColumns::Ignored)
+        let file =
+            foreign_files::open(table).map_err(|error| AnalysisError::Unreadable { path: table.to_owned(), error })?;
+        let wanted = [Column::required("value")];
+        let ([values], [parts, operators]) = read_labelled(file, wanted, ["part", "operator"], OtherColumns::Ignored)
             .map_err(|error| StudyError::Table { path: table.to_owned(), error })?;
-        let [parts, operators] = ["part", "operator"].map(|name| labels(&bytes, name));
         let label = |column: &[String], row: usize| column.get(row).cloned().unwrap_or_default();
         let unit = |(row, value): (usize, f64)| Unit {
             part: label(&parts, row),
@@ -219,31 +217,14 @@ impl Study {
     }
 }
 
-/// The column of values in a table.
-const VALUE: &str = "value";
-
-/// The column of that name as text, row by row as [`read_columns`] reads the values; empty where there is none.
-fn labels(table: &[u8], name: &str) -> Vec<String> {
-    let above = foreign_files::preamble(table, &[VALUE]).unwrap_or_default();
-    let text = String::from_utf8_lossy(&table[above.len()..]);
-    // The header may be a comment.
-    let text = text.trim_start_matches(['\u{feff}', '#', ' ']);
-    let header = text.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
-    let separator = [b';', b'\t'].into_iter().find(|separator| header.as_bytes().contains(separator)).unwrap_or(b',');
-    let mut rows = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .flexible(true)
-        .delimiter(separator)
-        .from_reader(text.as_bytes());
-    let place = rows.headers().ok().and_then(|header| header.iter().position(|found| found.eq_ignore_ascii_case(name)));
-    let cell = |row: csv::StringRecord| place.and_then(|place| row.get(place)).unwrap_or_default().to_owned();
-    rows.records().flatten().map(cell).collect()
-}
-
-/// When a file was written, else now.
+/// When an archive was recorded, or another file was written, else now.
 fn measured_at(file: Option<&Path>) -> String {
-    let written = file.and_then(|file| file.metadata().ok()?.modified().ok());
-    let at = written.and_then(|at| jiff::Timestamp::try_from(at).ok()).unwrap_or_else(jiff::Timestamp::now);
+    let recorded = |file| {
+        let run = Capture::is_archive(file).ok()?.then(|| Overview::read(file).ok())??.description?;
+        let second = i64::try_from(run.clock.wall_clock_time_ns / 1_000_000_000).ok().filter(|second| *second > 0)?;
+        jiff::Timestamp::from_second(second).ok()
+    };
+    let written = |file: &Path| jiff::Timestamp::try_from(file.metadata().ok()?.modified().ok()?).ok();
+    let at = file.and_then(|file| recorded(file).or_else(|| written(file))).unwrap_or_else(jiff::Timestamp::now);
     at.to_zoned(jiff::tz::TimeZone::system()).strftime("%d.%m.%Y/%H:%M:%S").to_string()
 }

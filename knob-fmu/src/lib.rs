@@ -185,8 +185,11 @@ pub unsafe extern "C" fn fmi3GetFloat64(
     place: *mut f64,
     place_count: usize,
 ) -> Status {
-    if place.is_null() || place_count != count {
+    if place_count != count || place.is_null() && count > 0 {
         return ERROR;
+    }
+    if count == 0 {
+        return OK;
     }
     // SAFETY: the importer's promise.
     let Some(instance) = (unsafe { self::instance(instance) }) else { return ERROR };

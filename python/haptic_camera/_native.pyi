@@ -296,6 +296,8 @@ def fit(
     captures: _CaptureOrPath | Iterable[_CaptureOrPath],
     *,
     preparation: Literal["automatic", "paper", "central-differences"] = "automatic",
+    columns: dict[str, str | int] | None = None,
+    units: dict[str, str] | None = None,
 ) -> Fit: ...
 def diagnose(
     train: _CaptureOrPath,

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use archive::testers::ColumnChoice;
 use archive::whole_file::{Replace, write_bytes};
 use dynamics::{Axis, Source, knobs};
 use loaded_capture::LoadedCapture;
@@ -41,6 +42,17 @@ impl CaptureOrPath {
         match self {
             Self::Capture(capture) => Ok(Arc::clone(&capture.get().loaded)),
             Self::Path(path) => interruptible(py, move || LoadedCapture::load(&path))?.map(Arc::new).map_err(raised),
+        }
+    }
+
+    /// The capture, or a tester's curve as one.
+    pub(crate) fn measured(self, py: Python<'_>, chosen: Option<&ColumnChoice>) -> PyResult<Arc<LoadedCapture>> {
+        let chosen = chosen.cloned();
+        match self {
+            Self::Path(path) => interruptible(py, move || LoadedCapture::load_measured(&path, chosen.as_ref()))?
+                .map(Arc::new)
+                .map_err(raised),
+            capture => capture.loaded(py),
         }
     }
 }

@@ -18,6 +18,7 @@ use crate::convert::{
 use crate::error::{Error, raised};
 use crate::interruptible::interruptible;
 use crate::model::Model;
+use crate::sheet::choice;
 
 /// A fitted parameter, or the reason why the data cannot tell it.
 #[pyclass(frozen, eq, get_all, new = "from_fields", module = "haptic_camera")]
@@ -73,6 +74,9 @@ pub(crate) struct Fit {
 ///     What is fitted, with all that is known of its rig.
 /// preparation : {"automatic", "paper", "central-differences"}
 ///     How the captures are filtered before the fit.
+/// columns, units : dict of str, optional
+///     Of tables with other columns, as of `read`. A table without a time is fitted as a curve of torque over angle, in which inertia and
+///     viscous friction have no part.
 ///
 /// Returns
 /// -------
@@ -85,14 +89,22 @@ pub(crate) struct Fit {
 /// KeyboardInterrupt
 ///     At Ctrl-C.
 #[pyfunction]
-#[pyo3(signature = (captures, *, preparation="automatic"))]
-pub(crate) fn fit(py: Python<'_>, captures: OneOrMore<CaptureOrPath>, preparation: &str) -> PyResult<Fit> {
+#[pyo3(signature = (captures, *, preparation="automatic", columns=None, units=None))]
+pub(crate) fn fit(
+    py: Python<'_>,
+    captures: OneOrMore<CaptureOrPath>,
+    preparation: &str,
+    columns: Option<Bound<'_, PyDict>>,
+    units: Option<Bound<'_, PyDict>>,
+) -> PyResult<Fit> {
+    let chosen = choice(columns, units)?;
     let methods = [PreparationMethod::Automatic, PreparationMethod::Paper, PreparationMethod::CentralDifferences];
     let method = methods.into_iter().find(|method| method.name() == preparation).ok_or_else(|| {
         let known = methods.map(PreparationMethod::name).join(", ");
         Error::new_err(format!("there is no preparation '{preparation}'; give one of {known}"))
     })?;
-    let captures: Vec<_> = captures.0.into_iter().map(|capture| capture.loaded(py)).collect::<PyResult<_>>()?;
+    let measured = |capture: CaptureOrPath| capture.measured(py, chosen.as_ref());
+    let captures: Vec<_> = captures.0.into_iter().map(measured).collect::<PyResult<_>>()?;
     if captures.is_empty() {
         return Err(Error::new_err("there is no capture to fit; give at least one"));
     }

@@ -78,7 +78,8 @@ impl LoopStatus {
         self.published_samples + self.dropped_samples
     }
 
-    /// Upper edge of the bin that holds the `share` quantile of the ticks' lateness, ns; `None` in the last bin, which has no edge.
+    /// Upper edge of the bin that holds the `share` quantile of the ticks' lateness, ns; `None` in the last bin, which has no edge, and
+    /// without ticks.
     #[must_use]
     pub fn lateness_below_ns(&self, share: f64) -> Option<u64> {
         let ticks: u64 = self.lateness_counts.iter().sum();
@@ -86,7 +87,7 @@ impl LoopStatus {
         let mut counted = 0;
         let bin = self.lateness_counts.iter().position(|count| {
             counted += count;
-            counted >= wanted
+            ticks > 0 && counted >= wanted
         });
         LATENESS_BIN_EDGES_NS.get(bin?).copied()
     }

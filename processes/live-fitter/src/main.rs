@@ -54,7 +54,8 @@ fn fit_stream(arguments: &Arguments) -> anyhow::Result<()> {
     let Some(run) = streams.wait_for_run(&stop)? else { return Ok(()) };
     // On a rig that renders a hand drives, and the sensor reads what the knob gives instead of what it takes.
     let sign = if run.is_rendered() { -1.0 } else { 1.0 };
-    let mut fit = LiveFit::new(run.rate_hz, run.calibration_at_knob()?.as_ref()).converging_to(arguments.share);
+    let mut fit =
+        LiveFit::new(run.rate_hz, run.axis, run.calibration_at_knob()?.as_ref()).converging_to(arguments.share);
     let mut cadence = Cadence::new();
     while !stop.is_asked() {
         streams.take_samples(run.run_id, |sample| {

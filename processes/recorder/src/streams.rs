@@ -72,10 +72,13 @@ impl Streams {
             recording.write(Entry::Health(*health.payload()));
         }
         while let Some(json) = self.models.receive().context("rendered models cannot be received")? {
-            let change: ModelChange = serde_json::from_slice(json.payload())
-                .context("a rendered model cannot be read; use programs of the same build")?;
-            if change.run_id == recording.run_id() {
-                recording.write(Entry::Model(Box::new(change)));
+            match serde_json::from_slice::<ModelChange>(json.payload()) {
+                Ok(change) if change.run_id == recording.run_id() => recording.write(Entry::Model(Box::new(change))),
+                Ok(_) => {}
+                // The samples are worth more than a model.
+                Err(error) => {
+                    tracing::warn!("a rendered model is not recorded ({error}); use programs of the same build")
+                }
             }
         }
         recording.flush_if_due();

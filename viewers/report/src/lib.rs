@@ -32,7 +32,7 @@ pub use comparison::{
 use dynamics::Model;
 use identification::diagnosis::Diagnosis;
 use identification::{Average, Fit};
-pub use parameter_table::true_value;
+pub use parameter_table::{holds, true_value};
 pub use rendering::{
     AddedByRendering, HeldStill, LostMotion, RenderedParameter, Rendering, RenderingLimits, RenderingPage,
 };

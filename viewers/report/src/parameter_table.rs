@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 
 use dynamics::{EffectKind, Model, ParameterKind, effects};
 use identification::Parameter;
-use identification::statistics::half_width;
 use maud::{Markup, html};
 
 use crate::FitPage;
@@ -60,7 +59,7 @@ pub(crate) fn parameter_table(page: &FitPage<'_>) -> Markup {
 }
 
 fn estimate_cells(page: &FitPage<'_>, parameter: &Parameter, value: f64) -> Markup {
-    let half = parameter.ci95.map_or(f64::NAN, |ci95| half_width(value, ci95));
+    let half = parameter.half_width().unwrap_or(f64::NAN);
     let digits = Digits::of_interval(value, half);
     let truth = true_value(page.truth, parameter.name, Some(value));
     html! {
@@ -96,16 +95,19 @@ fn not_identifiable(page: &FitPage<'_>, group: &[Parameter]) -> Markup {
     }
 }
 
+/// Whether an interval holds the true value, but for rounding; `None` without one.
+#[must_use]
+pub fn holds(ci95: Option<[f64; 2]>, truth: f64) -> Option<bool> {
+    let rounding = ROUNDING * truth.abs();
+    ci95.map(|[low, high]| (low - rounding..=high + rounding).contains(&truth))
+}
+
 /// The true value and whether the interval holds it.
 pub(crate) fn truth_words(truth: Option<f64>, ci95: Option<[f64; 2]>, digits: Digits) -> Markup {
     let Some(truth) = truth else { return html! { "none" } };
-    let inside = ci95.map(|[low, high]| {
-        let rounding = ROUNDING * truth.abs();
-        (low - rounding..=high + rounding).contains(&truth)
-    });
     html! {
         (digits.show(truth))
-        @match inside {
+        @match holds(ci95, truth) {
             Some(true) => span.inside { " inside" },
             Some(false) => span.outside { " outside" },
             None => {},

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use dynamics::Model;
 use identification::diagnosis::{Diagnosis, ForwardFromCommand};
-use identification::statistics::half_width;
 use identification::{Fit, Parameter};
 use serde::Serialize;
 
@@ -39,7 +38,7 @@ impl FitNumbers {
             .into_iter()
             .flat_map(Model::parameters)
             .filter_map(|(kind, _)| Some((kind.name, true_value(truth, kind.name, value(kind.name))?)));
-        let half_width = |parameter: &Parameter| Some((parameter.name, half_width(parameter.value?, parameter.ci95?)));
+        let half_width = |parameter: &Parameter| Some((parameter.name, parameter.half_width()?));
         let torque_noise_in_band_mnm = noise_in_band_mnm(fit);
         Self {
             true_values: true_values.collect(),

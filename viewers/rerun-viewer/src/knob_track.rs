@@ -2,6 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use dynamics::Axis;
+
 use crate::frame::Points;
 use crate::model_curves::POINTS_PER_DETENT;
 use crate::model_torque::KnobModel;
@@ -12,7 +14,7 @@ const TURN_PERIOD_NS: i64 = 40_000_000;
 /// Shortest time between two changes of the colour: what changes faster than that nobody reads.
 const MOTION_PERIOD_NS: i64 = 500_000_000;
 /// Speed below which a captured knob counts as sticking, rad/s: the largest Δv of the paper's knobs (Table 6). A
-/// rendered knob says itself whether it sticks.
+/// rendered knob says itself whether it sticks, and what is pressed counts at the fingertip.
 const STICK_VELOCITY_RAD_S: f64 = 0.04;
 /// Change of the detents, as a share of their depth and distance, that is not drawn.
 const UNSEEN: f64 = 0.01;
@@ -29,10 +31,11 @@ pub enum Motion {
 
 impl Motion {
     /// Of a reading; `None` where velocity is unknown.
-    pub fn of(reading: &Reading) -> Option<Self> {
+    pub fn of(reading: &Reading, axis: Axis) -> Option<Self> {
+        let slow = STICK_VELOCITY_RAD_S * axis.fingertip_travel();
         match (reading.stuck, reading.velocity_rad_s) {
             (Some(true), _) => Some(Self::Sticking),
-            (None, velocity) if velocity.abs() < STICK_VELOCITY_RAD_S => Some(Self::Sticking),
+            (None, velocity) if velocity.abs() < slow => Some(Self::Sticking),
             (_, velocity) if velocity.is_nan() => None,
             (_, velocity) if velocity > 0.0 => Some(Self::SlippingPositive),
             _ => Some(Self::SlippingNegative),
@@ -169,11 +172,13 @@ mod tests {
 
     #[test]
     fn a_knob_slower_than_the_papers_knobs_stick_at_is_sticking() {
-        let motion = |velocity, stuck| Motion::of(&reading(0, velocity, stuck));
+        let motion = |velocity, stuck| Motion::of(&reading(0, velocity, stuck), Axis::Rotary);
         assert_eq!(motion(0.039, None), Some(Motion::Sticking));
         assert_eq!(motion(0.041, None), Some(Motion::SlippingPositive));
         assert_eq!(motion(-3.0, None), Some(Motion::SlippingNegative));
         assert_eq!(motion(f64::NAN, None), None);
+        // A slider moves by millimetres.
+        assert_eq!(Motion::of(&reading(0, 0.5, None), Axis::Linear), Some(Motion::Sticking));
         // A rendered one says so itself.
         assert_eq!(motion(1.0, Some(true)), Some(Motion::Sticking));
         assert_eq!(motion(0.001, Some(false)), Some(Motion::SlippingPositive));

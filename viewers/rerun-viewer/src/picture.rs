@@ -31,6 +31,8 @@ const TABS_PERIOD: Duration = Duration::from_millis(5_000);
 pub struct Picture {
     /// What is known of the run.
     pub run: Run,
+    /// Identity of the run that was shown before.
+    left: Option<u64>,
     fit_is_new: bool,
     model: Option<KnobModel>,
     signals: Signals,
@@ -62,7 +64,9 @@ impl Picture {
 
     /// Takes in what the run is.
     pub fn describe(&mut self, description: &RunDescription) {
-        self.turn_to_run(description.run_id);
+        if !self.turn_to_run(description.run_id) {
+            return;
+        }
         let calibration = description.calibration_at_knob();
         let told = calibration.inspect_err(|error| tracing::error!("the model is drawn as for an ideal rig: {error}"));
         self.run.calibration = told.ok().flatten();
@@ -72,7 +76,9 @@ impl Picture {
 
     /// Takes in the control loop's word about itself.
     pub fn take_status(&mut self, status: &LoopStatus) {
-        self.turn_to_run(status.run_id);
+        if !self.turn_to_run(status.run_id) {
+            return;
+        }
         self.run.status = Some(*status);
         self.run.source_gone = false;
     }
@@ -88,7 +94,9 @@ impl Picture {
 
     /// Takes in the model that a replay renders from some tick on; what cannot be read is not shown.
     pub fn take_rendered(&mut self, change: &ModelChange) {
-        self.turn_to_run(change.run_id);
+        if !self.turn_to_run(change.run_id) {
+            return;
+        }
         let Some(rate_hz) = self.run.rate_hz() else { return };
         match RenderedModel::new(change, self.run.rendered.take(), rate_hz) {
             Ok(rendered) => self.run.rendered = Some(rendered),
@@ -111,7 +119,9 @@ impl Picture {
 
     /// Takes in consecutive samples of a run. They are not shown before the run's rate is known, by which their ticks become times.
     pub fn take_samples(&mut self, run_id: u64, samples: &[Sample]) {
-        self.turn_to_run(run_id);
+        if !self.turn_to_run(run_id) {
+            return;
+        }
         let Some(rate_hz) = self.run.rate_hz() else { return };
         let is_rendered = self.run.description.as_ref().is_some_and(RunDescription::is_rendered);
         for sample in samples {
@@ -131,10 +141,10 @@ impl Picture {
 
     /// Takes in whether a finished capture turns, and the text next to its plots, as Markdown.
     pub fn describe_capture(&mut self, axis: Axis, text: String) {
-        self.run.axis = Some(axis);
-        self.capture_text = Some(text);
         // Another one each time that a capture is shown: a page may still show the one before.
         self.turn_to_run(rig::monotonic_time_ns());
+        self.run.axis = Some(axis);
+        self.capture_text = Some(text);
     }
 
     /// Ends a capture, which has no more readings. Takes in the model for the curves, if a parameter is identified, and the model's
@@ -151,17 +161,22 @@ impl Picture {
         self.signals.push(reading);
         self.knob.push(reading);
         self.scatters.push(reading, rate_hz);
-        self.run.motion = Motion::of(reading).or(self.run.motion);
+        self.run.motion = Motion::of(reading, self.run.axis.unwrap_or_default()).or(self.run.motion);
         self.run.newest = Some(*reading);
     }
 
-    /// A run of another identity begins with an empty picture.
-    fn turn_to_run(&mut self, run_id: u64) {
+    /// Whether what belongs to this run is shown. A run of another identity begins with an empty picture; late messages of the run that was
+    /// left are not shown.
+    fn turn_to_run(&mut self, run_id: u64) -> bool {
+        if self.left == Some(run_id) {
+            return false;
+        }
         if self.run.id.is_some_and(|shown| shown != run_id) {
             let processes = std::mem::take(&mut self.run.processes);
-            *self = Self { run: Run { processes, ..Run::default() }, ..Self::default() };
+            *self = Self { left: self.run.id, run: Run { processes, ..Run::default() }, ..Self::default() };
         }
         self.run.id = Some(run_id);
+        true
     }
 
     /// What is new since the last frame; `None` before a run is known and once all of it was shown. What has not changed is
@@ -310,6 +325,9 @@ mod tests {
         picture.take_status(&status(8));
         let frame = picture.next_frame(0).unwrap();
         assert_eq!((frame.run_id, frame.time_ns, frame.series.len()), (8, 0, 0));
+        // A late message of the run that was left.
+        picture.take_status(&status(7));
+        assert_eq!(picture.run.id, Some(8));
     }
 
     #[test]

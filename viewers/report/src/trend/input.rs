@@ -1,6 +1,7 @@
 //! What the page of a trend is made of; it serialises to what `trend --json` gives.
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 use identification::statistics::student_95;
 use serde::Serialize;
@@ -101,6 +102,9 @@ impl TrendParameter {
     #[must_use]
     pub fn of(name: &str, unit: &str, mut points: Vec<TrendPoint>) -> Self {
         points.sort_by(|one, other| one.days.total_cmp(&other.days));
+        if name.ends_with("phase") {
+            put_on_one_turn(&mut points);
+        }
         let count = crate::figures::real(points.len());
         let mean_of = |of: &dyn Fn(&TrendPoint) -> f64| points.iter().map(of).sum::<f64>() / count;
         let mean = mean_of(&|point| point.value);
@@ -125,5 +129,36 @@ impl TrendParameter {
             drift,
             points,
         }
+    }
+}
+
+/// Moves phases by whole turns to within half a turn of their mean on the circle.
+fn put_on_one_turn(phases: &mut [TrendPoint]) {
+    let (sine, cosine) = phases.iter().fold((0.0, 0.0), |(sine, cosine), phase| {
+        let (of_sine, of_cosine) = phase.value.sin_cos();
+        (sine + of_sine, cosine + of_cosine)
+    });
+    let centre: f64 = f64::atan2(sine, cosine);
+    for phase in phases {
+        let by = TAU * ((centre - phase.value) / TAU).round();
+        phase.value += by;
+        phase.ci95 = phase.ci95.map(|ends| ends.map(|end| end + by));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn phases_on_both_sides_of_the_circles_cut_lie_side_by_side() {
+        let days = [0.0, 1.0, 2.0, 3.0, 4.0];
+        let values = [3.13, -3.13, 3.12, -3.14, 3.13];
+        let point = |(days, value): (f64, f64)| TrendPoint { days, value, ci95: Some([value - 0.1, value + 0.1]) };
+        let points = || days.into_iter().zip(values).map(point).collect();
+        let phase = TrendParameter::of("detent_phase", "rad", points());
+        assert!((phase.mean.abs() - 3.14).abs() < 0.01 && phase.sd.is_some_and(|sd| sd < 0.02), "{}", phase.mean);
+        assert!(phase.points.iter().all(|one| one.ci95.is_some_and(|[low, high]| low < one.value && one.value < high)));
+        assert!(TrendParameter::of("inertia", "mNm s²/rad", points()).sd.is_some_and(|sd| sd > 3.0));
     }
 }
