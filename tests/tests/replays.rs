@@ -117,6 +117,9 @@ fn of_several_tunes_at_once_none_is_lost() {
         let line = present.lines().find(|line| line.contains(name)).unwrap();
         assert!(line.contains(&format!(" {value} mNm")), "{setting} is lost:\n{present}");
     }
+    let said = tuned(&bench, &["--model", "1"]);
+    assert!(said.contains("Knob 3 → Knob 1") && said.contains(" → –"), "what knob 1 does not have is gone: {said}");
+    assert_eq!(tuned(&bench, &["--model", "1"]).trim(), "nothing changes: the model is as it was");
     kill(Pid::from_raw(i32::try_from(child.id()).unwrap()), Signal::SIGINT).unwrap();
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));

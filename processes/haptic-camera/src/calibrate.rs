@@ -43,7 +43,6 @@ pub struct CalibrateOptions {
 /// Amplitude of the fast sines with nothing on the gripper, rad; on a linear axis the travel of a fingertip at that angle.
 const FAST_AMPLITUDE_RAD: f64 = 0.1;
 
-/// Calibrates from the captures given, or makes one.
 pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     let given = options.rig.request.calibration.as_deref();
     let mut known = given.map(Calibration::load).transpose()?;

@@ -48,7 +48,6 @@ pub fn run(options: &CheckOptions) -> anyhow::Result<()> {
     write_json(axis, &options.json, &check)
 }
 
-/// What a capture shows, in a line.
 fn words(axis: Axis, shown: &Shown) -> String {
     let mut words: Vec<String> = shown.no_detents.iter().cloned().collect();
     words.extend(shown.detents.as_ref().map(|count| match axis {

@@ -25,13 +25,13 @@ pub struct ComposeOptions {
     #[arg(long, value_name = "1…5|FILE.toml|FILE.csv")]
     pub detents: Option<String>,
     /// Add an effect of another knob, as in 5:backlash or springy.toml:return-spring; may be repeated
-    #[arg(long, value_name = "KNOB:EFFECT", value_parser = knob_and_effect)]
+    #[arg(long, value_name = "KNOB:EFFECT", value_parser = |text: &str| halves(text.rsplit_once(':'), EXTRA))]
     pub extra: Vec<(String, String)>,
     /// Set a parameter, as in detent_amplitude=1.5; may be repeated
     #[arg(long, value_name = "NAME=NUMBER", value_parser = name_and_number)]
     pub set: Vec<(String, f64)>,
     /// Take a parameter's value from another knob, as in detent_amplitude=4; may be repeated
-    #[arg(long, value_name = "NAME=KNOB", value_parser = name_and_knob)]
+    #[arg(long, value_name = "NAME=KNOB", value_parser = |text: &str| halves(text.split_once('='), FROM))]
     pub from: Vec<(String, String)>,
     /// The model's name [default: that of its file]
     #[arg(long)]
@@ -64,28 +64,19 @@ impl ComposeOptions {
     }
 }
 
-/// A parameter and its value.
+const SETTING: &str = "it must be a parameter and a number, as in detent_amplitude=1.5";
+const FROM: &str = "it must be a parameter and a shipped knob or model file, as in detent_amplitude=4";
+const EXTRA: &str = "it must be a shipped knob or model file and an effect, as in 5:backlash";
+
 pub fn name_and_number(text: &str) -> Result<(String, f64), String> {
-    let example = "it must be a parameter and a number, as in detent_amplitude=1.5";
-    let (name, value) = halves(text.split_once('=')).ok_or(example)?;
-    let value = value.parse().map_err(|_| format!("'{value}' is not a number; {example}"))?;
+    let (name, value) = halves(text.split_once('='), SETTING)?;
+    let value = value.parse().map_err(|_| format!("'{value}' is not a number; {SETTING}"))?;
     Ok((name, value))
 }
 
-/// A parameter and the source of its value.
-fn name_and_knob(text: &str) -> Result<(String, String), &'static str> {
-    halves(text.split_once('='))
-        .ok_or("it must be a parameter and a shipped knob or model file, as in detent_amplitude=4")
-}
-
-/// A shipped knob's number or a model file, and an effect to take from it.
-fn knob_and_effect(text: &str) -> Result<(String, String), &'static str> {
-    halves(text.rsplit_once(':')).ok_or("it must be a shipped knob or model file and an effect, as in 5:backlash")
-}
-
-fn halves(halves: Option<(&str, &str)>) -> Option<(String, String)> {
-    let (one, other) = halves.map(|(one, other)| (one.trim(), other.trim()))?;
-    (!one.is_empty() && !other.is_empty()).then(|| (one.to_owned(), other.to_owned()))
+fn halves(halves: Option<(&str, &str)>, example: &'static str) -> Result<(String, String), &'static str> {
+    let (one, other) = halves.map(|(one, other)| (one.trim(), other.trim())).unwrap_or_default();
+    if one.is_empty() || other.is_empty() { Err(example) } else { Ok((one.to_owned(), other.to_owned())) }
 }
 
 /// Composes a model and writes it; parts and values that do not fit are a [`UsageError`].

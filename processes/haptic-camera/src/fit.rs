@@ -8,7 +8,7 @@ use archive::whole_file::Replace;
 use clap::Args;
 use comfy_table::Table;
 use dynamics::Model;
-use identification::statistics::half_width;
+use identification::statistics::{half_width, range};
 use identification::{Agreement, Average, Fit, MeasuredCurve, Parameter, PreparationMethod};
 use loaded_capture::LoadedCapture;
 use report::{AveragePage, true_value};
@@ -85,7 +85,6 @@ fn of_several(captures: &[LoadedCapture], fits: &[Fit], options: &FitOptions) ->
     Ok(average.model(&titles(&each)))
 }
 
-/// Writes the model into a joint of a MuJoCo file, if that was asked for.
 fn write_into(options: &FitOptions, model: &Model) -> anyhow::Result<()> {
     let Some(path) = &options.into else { return Ok(()) };
     let file = foreign_files::read_text(path).with_context(|| format!("{} cannot be read", path.display()))?;
@@ -132,15 +131,12 @@ fn decimals(value: f64) -> usize {
 
 /// A measured curve in a line; its points are in the JSON and in the model file.
 fn characteristic_line(MeasuredCurve { effect, points }: &MeasuredCurve) -> String {
-    let torques = || points.iter().map(|point| point.torque_mnm);
+    let [least, most] = range(points.iter().map(|point| point.torque_mnm));
     let halves = points.iter().filter_map(|point| point.ci95).map(|[low, high]| 0.5 * (high - low));
     let widest = halves.fold(0.0, f64::max);
-    let decimals = decimals(widest);
+    let (count, decimals) = (points.len(), decimals(widest));
     format!(
-        "{effect}: {} points, {:.decimals$} to {:.decimals$} mNm, each known to ±{widest:.decimals$} mNm or better",
-        points.len(),
-        torques().fold(f64::INFINITY, f64::min),
-        torques().fold(f64::NEG_INFINITY, f64::max),
+        "{effect}: {count} points, {least:.decimals$} to {most:.decimals$} mNm, each known to ±{widest:.decimals$} mNm or better"
     )
 }
 
@@ -165,15 +161,10 @@ fn parameter_table(fit: &Fit, truth: Option<&Model>) -> Table {
 
 fn truth_cells(parameter: &Parameter, model: &Model, digits: usize) -> [String; 2] {
     let Some(value) = true_value(Some(model), parameter.name, None) else { return ["none".to_owned(), String::new()] };
-    let inside = match parameter.ci95 {
-        Some([low, high]) if (low..=high).contains(&value) => "in",
-        Some(_) => "out",
-        None => "",
-    };
+    let inside = report::holds(parameter.ci95, value).map_or("", |holds| if holds { "in" } else { "out" });
     [format!("{value:.digits$}"), inside.to_owned()]
 }
 
-/// Decimals that show the interval's width with two digits.
 fn digits_of(parameter: &Parameter) -> usize {
     digits(match (parameter.ci95, parameter.value) {
         (Some([low, high]), _) if high > low => high - low,
@@ -226,7 +217,6 @@ fn repeatability_table(average: &Average) -> Table {
     table(header, 1..shown + 4, average.fit.parameters.0.iter().filter_map(row))
 }
 
-/// Whether captures agree.
 pub fn agreement_line(agreement: Agreement) -> String {
     let words = if agreement.agrees() { "agree within" } else { "differ by more than" };
     format!(

@@ -43,7 +43,6 @@ pub fn run(options: &JudgeOptions) -> anyhow::Result<Outcome> {
     Ok(outcome(judgements.verdict))
 }
 
-/// The outcome of a command that reached this verdict.
 pub fn outcome(verdict: Verdict) -> Outcome {
     match verdict {
         Verdict::Pass => Outcome::Done,

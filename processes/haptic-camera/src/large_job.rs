@@ -27,7 +27,6 @@ pub fn tell(ticks: u64) {
     }
 }
 
-/// Refuses a run of so many ticks for which disk or memory are too small.
 pub fn admit(ticks: u64, rate_hz: f64, archive: &Path) -> anyhow::Result<()> {
     if ticks < LARGE {
         return Ok(());

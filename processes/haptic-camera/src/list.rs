@@ -1,6 +1,5 @@
 //! `list`: what captures a folder holds, of which knob, how good their fits are and whether they are whole.
 
-use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
@@ -11,13 +10,15 @@ use clap::Args;
 use dynamics::Axis;
 use foreign_files::TableError;
 use identification::PreparationMethod;
+use loaded_capture::LoadedCapture;
 use operator::one_line;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use shared_types::RunDescription;
 
 use crate::outcome::show;
 use crate::outputs::write_json;
-use crate::{load, terminal};
+use crate::terminal;
 
 #[derive(Debug, Args)]
 pub struct ListOptions {
@@ -51,16 +52,16 @@ pub fn run(options: &ListOptions) -> anyhow::Result<()> {
     } else {
         show(lines(&entries));
     }
-    write_json(Axis::default(), &options.json, &BTreeMap::from([("captures", &entries)]))
+    let captures: Vec<Value> = entries.iter().map(Entry::json).collect();
+    write_json(Axis::default(), &options.json, &json!({ "captures": captures }))
 }
 
 /// Samples up to which a capture is fitted for a list: a minute and a half at 10 kHz, which takes about a second to fit.
 const MOST_SAMPLES: u64 = 1_000_000;
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 enum Health {
-    #[default]
     Whole,
     SamplesLost,
     Fault,
@@ -74,104 +75,74 @@ enum Health {
     Unreadable,
 }
 
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 struct Entry {
     file: String,
-    health: Health,
-    /// What is wrong with a file that cannot be read.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    problem: Option<String>,
-    /// When the run began; for a table or a file that cannot be read, when the file was written.
-    captured_at: Option<String>,
-    /// The knob, or the model of a replay.
-    knob: Option<String>,
-    /// Whether a hand felt a rendered model.
-    replay: bool,
-    /// Length, s.
-    duration_s: Option<f64>,
-    /// Sample rate, Hz.
-    rate_hz: Option<f64>,
-    samples: Option<u64>,
-    /// Runs of missing samples.
-    gaps: Option<u64>,
-    lost_samples: Option<u64>,
-    /// Ticks that the loop missed; `None` for a table.
-    missed_ticks: Option<u64>,
-    /// Ticks without new data from the rig.
-    stale_ticks: Option<u64>,
-    /// By how much the rig's clock was faster than the machine's, where the ticks followed it, ppm.
-    clock_drift_ppm: Option<f64>,
-    /// Whether it was recovered from a broken archive.
-    recovered: bool,
-    #[serde(flatten)]
-    quality: Quality,
-    /// The time of `captured_at` in ns since 1970, by which the list is sorted.
-    #[serde(skip)]
+    /// When the run began; for a table or a file that cannot be read, when the file was written; ns since 1970.
     captured_at_ns: u128,
+    read: Result<Overview, ArchiveError>,
+    quality: Quality,
 }
 
 impl Entry {
-    /// The entry of a file, whether or not it is a capture.
     fn of(path: &Path) -> Self {
-        let overview = match Overview::read(path) {
-            Ok(overview) => overview,
-            Err(error) => return Self::of_other(path, &error),
-        };
-        let description = overview.description.as_ref();
-        let begun_ns = description.map(|run| u128::from(run.clock.wall_clock_time_ns));
-        let captured_at_ns = begun_ns.filter(|&time| time > 0).unwrap_or_else(|| written_ns(path));
-        let health = match () {
-            () if overview.fault => Health::Fault,
-            () if overview.lost_samples > 0 => Health::SamplesLost,
-            () => Health::Whole,
-        };
-        Self {
-            file: name(path),
-            health,
-            captured_at: date(captured_at_ns),
-            replay: description.is_some_and(RunDescription::is_rendered),
-            knob: description.map(|run| run.knob.clone()),
-            duration_s: Some(overview.duration_s),
-            rate_hz: Some(overview.rate_hz),
-            samples: Some(overview.samples),
-            gaps: Some(overview.gaps.len() as u64),
-            lost_samples: Some(overview.lost_samples),
-            missed_ticks: overview.missed_ticks,
-            stale_ticks: Some(overview.rig.stale_samples.values().sum()),
-            clock_drift_ppm: overview.rig.clock.as_ref().map(|clock| clock.drift_ppm),
-            recovered: overview.recovered,
-            quality: Quality::of(path, overview.samples),
-            captured_at_ns,
-            ..Self::default()
+        let read = Overview::read(path);
+        let run = read.as_ref().ok().and_then(|told| told.description.as_ref());
+        let begun_ns = run.map(|run| u128::from(run.clock.wall_clock_time_ns)).filter(|&time| time > 0);
+        let captured_at_ns = begun_ns.unwrap_or_else(|| written_ns(path));
+        let quality = read.as_ref().map_or_else(|_| Quality::default(), |told| Quality::of(path, told.samples));
+        Self { file: name(path), captured_at_ns, read, quality }
+    }
+
+    fn health(&self) -> Health {
+        match &self.read {
+            Ok(told) if told.fault => Health::Fault,
+            Ok(told) if told.lost_samples > 0 => Health::SamplesLost,
+            Ok(_) => Health::Whole,
+            Err(ArchiveError::Truncated { .. }) => Health::Truncated,
+            Err(ArchiveError::Missing { .. } | ArchiveError::File { .. }) => Health::Unreadable,
+            Err(
+                ArchiveError::Empty { .. }
+                | ArchiveError::NotACapture { .. }
+                | ArchiveError::NoSamples { .. }
+                | ArchiveError::Tester { .. }
+                | ArchiveError::NoTime { .. }
+                | ArchiveError::Table { error: TableError::Header { .. }, .. },
+            ) => Health::Foreign,
+            Err(_) => Health::Damaged,
         }
     }
 
-    fn of_other(path: &Path, error: &ArchiveError) -> Self {
-        let health = match error {
-            ArchiveError::Truncated { .. } => Health::Truncated,
-            ArchiveError::Missing { .. } | ArchiveError::File { .. } => Health::Unreadable,
-            ArchiveError::Empty { .. }
-            | ArchiveError::NotACapture { .. }
-            | ArchiveError::NoSamples { .. }
-            | ArchiveError::Tester { .. }
-            | ArchiveError::NoTime { .. }
-            | ArchiveError::Table { error: TableError::Header { .. }, .. } => Health::Foreign,
-            _ => Health::Damaged,
-        };
-        let captured_at_ns = written_ns(path);
-        Self {
-            file: name(path),
-            health,
-            problem: Some(one_line(&error.to_string())),
-            captured_at: date(captured_at_ns),
-            captured_at_ns,
-            ..Self::default()
-        }
+    /// The entry as JSON, with nothing for what the file does not tell.
+    fn json(&self) -> Value {
+        let told = self.read.as_ref().ok();
+        let run = told.and_then(|told| told.description.as_ref());
+        json!({
+            "file": self.file,
+            "health": self.health(),
+            "problem": self.read.as_ref().err().map(|error| one_line(&error.to_string())),
+            "captured_at": date(self.captured_at_ns),
+            // Of a replay the model.
+            "knob": run.map(|run| &run.knob),
+            "replay": run.is_some_and(RunDescription::is_rendered),
+            "duration_s": told.map(|told| told.duration_s),
+            "rate_hz": told.map(|told| told.rate_hz),
+            "samples": told.map(|told| told.samples),
+            "gaps": told.map(|told| told.gaps.len()),
+            "lost_samples": told.map(|told| told.lost_samples),
+            "missed_ticks": told.and_then(|told| told.missed_ticks),
+            // Without new data from the rig.
+            "stale_ticks": told.map(|told| told.rig.stale_samples.values().sum::<u64>()),
+            // By how much the rig's clock was faster than the machine's, where the ticks followed it.
+            "clock_drift_ppm": told.and_then(|told| Some(told.rig.clock.as_ref()?.drift_ppm)),
+            "recovered": told.is_some_and(|told| told.recovered),
+            "relative_error_percent": self.quality.relative_error_percent,
+            "mean_ci95_mnm": self.quality.mean_ci95_mnm,
+        })
     }
 }
 
 /// How good a capture's fit is, from the JSON file beside it or else from a fit made for the list.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 struct Quality {
     /// RMS of the residual as a share of the torque, %.
     relative_error_percent: Option<f64>,
@@ -191,7 +162,7 @@ impl Quality {
         if samples > MOST_SAMPLES {
             return Self::default();
         }
-        let loaded = load::load(path).ok();
+        let loaded = LoadedCapture::load(path).ok();
         let fitted = loaded.and_then(|loaded| analysis::fit(&loaded, PreparationMethod::default()).ok());
         Self {
             relative_error_percent: fitted.as_ref().map(|fit| fit.relative_error_percent),
@@ -204,7 +175,6 @@ fn name(path: &Path) -> String {
     path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-/// When a file was last written, ns since 1970.
 fn written_ns(path: &Path) -> u128 {
     let time = std::fs::metadata(path).and_then(|file| file.modified()).ok();
     time.and_then(|time| time.duration_since(UNIX_EPOCH).ok()).map_or(0, |time| time.as_nanos())
@@ -221,14 +191,16 @@ const KNOB_LETTERS: usize = 7;
 
 /// The table, and a sentence on each file that is no whole capture.
 fn lines(entries: &[Entry]) -> Vec<String> {
-    let to_minutes = |date: &str| Some(format!("{} {}", date.get(..10)?, date.get(11..16)?));
+    let to_minutes = |date: String| Some(format!("{} {}", date.get(..10)?, date.get(11..16)?));
     let or_dash = |text: Option<String>| text.unwrap_or_else(|| "-".to_owned());
     let rows = entries.iter().map(|entry| {
+        let told = entry.read.as_ref().ok();
+        let knob = told.and_then(|told| Some(one_line(&told.description.as_ref()?.knob)));
         [
             shortened(&one_line(&entry.file), NAME_LETTERS),
-            shortened(&one_line(entry.knob.as_deref().unwrap_or("-")), KNOB_LETTERS),
-            or_dash(entry.captured_at.as_deref().and_then(to_minutes)),
-            or_dash(entry.duration_s.map(|duration_s| format!("{duration_s:.1}"))),
+            shortened(&or_dash(knob), KNOB_LETTERS),
+            or_dash(date(entry.captured_at_ns).and_then(to_minutes)),
+            or_dash(told.map(|told| format!("{:.1}", told.duration_s))),
             or_dash(entry.quality.relative_error_percent.map(|error| format!("{error:.1} %"))),
             or_dash(entry.quality.mean_ci95_mnm.map(|half_width| format!("{half_width:.3}"))),
             word(entry).to_owned(),
@@ -238,7 +210,7 @@ fn lines(entries: &[Entry]) -> Vec<String> {
     table.column_iter_mut().for_each(|column| {
         column.set_padding((0, 1));
     });
-    let mut lines = terminal::lines(&table);
+    let mut lines = vec![table.to_string()];
     lines.push("s: length; error: residual, share of torque; 95 %: mean half width, mNm or N".to_owned());
     lines.extend(entries.iter().filter_map(remark));
     lines
@@ -256,8 +228,9 @@ fn shortened(name: &str, most: usize) -> String {
 }
 
 fn word(entry: &Entry) -> &'static str {
-    match entry.health {
-        Health::Whole if entry.missed_ticks.is_some_and(|ticks| ticks > 0) => "late",
+    let is_late = entry.read.as_ref().is_ok_and(|told| told.missed_ticks.is_some_and(|ticks| ticks > 0));
+    match entry.health() {
+        Health::Whole if is_late => "late",
         Health::Whole => "whole",
         Health::SamplesLost => "lost",
         Health::Fault => "fault",
@@ -269,35 +242,23 @@ fn word(entry: &Entry) -> &'static str {
 }
 
 fn remark(entry: &Entry) -> Option<String> {
-    // A file that is no capture needs no advice.
-    if entry.health == Health::Foreign {
-        return None;
-    }
-    if let Some(problem) = &entry.problem {
-        return Some(format!("- {problem}"));
-    }
-    let some = |count: Option<u64>| count.filter(|&count| count > 0);
+    let told = match &entry.read {
+        Ok(told) => told,
+        // A file that is no capture needs no advice.
+        Err(_) if entry.health() == Health::Foreign => return None,
+        Err(error) => return Some(format!("- {}", one_line(&error.to_string()))),
+    };
+    let some = |count: u64| Some(count).filter(|&count| count > 0);
+    let stale: u64 = told.rig.stale_samples.values().sum();
+    let clock = told.rig.clock.as_ref();
     let words = [
-        some(entry.lost_samples).zip(entry.gaps).map(|(lost, gaps)| format!("{lost} samples lost in {gaps} gaps")),
-        some(entry.missed_ticks).map(|ticks| format!("{ticks} ticks missed")),
-        some(entry.stale_ticks).map(|ticks| format!("{ticks} ticks without new data")),
-        entry.clock_drift_ppm.map(|drift_ppm| format!("the rig's clock drifted by {drift_ppm:+.1} ppm")),
-        (entry.health == Health::Fault).then(|| "the run ended in a fault".to_owned()),
-        entry.recovered.then(|| "recovered from a broken archive".to_owned()),
+        some(told.lost_samples).map(|lost| format!("{lost} samples lost in {} gaps", told.gaps.len())),
+        told.missed_ticks.and_then(some).map(|ticks| format!("{ticks} ticks missed")),
+        some(stale).map(|ticks| format!("{ticks} ticks without new data")),
+        clock.map(|clock| format!("the rig's clock drifted by {:+.1} ppm", clock.drift_ppm)),
+        told.fault.then(|| "the run ended in a fault".to_owned()),
+        told.recovered.then(|| "recovered from a broken archive".to_owned()),
     ];
     let words: Vec<String> = words.into_iter().flatten().collect();
     (!words.is_empty()).then(|| format!("- {}: {}", one_line(&entry.file), words.join(", ")))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::shortened;
-
-    #[test]
-    fn a_long_name_keeps_its_beginning_and_its_end() {
-        assert_eq!(shortened("20261121-101500-knob-3.mcap", 27), "20261121-101500-knob-3.mcap");
-        let long = shortened("20261121-101500-a-knob-with-a-long-name.mcap", 27);
-        assert!(long.starts_with("20261121-1") && long.ends_with("name.mcap"), "{long}");
-        assert!(long.chars().count() <= 27);
-    }
 }

@@ -8,7 +8,6 @@ use loaded_capture::LoadedCapture;
 use crate::command_line::ColumnOptions;
 use crate::outcome::remark;
 
-/// Loads a capture or a tester's file.
 pub fn load_measured(path: &Path, columns: &ColumnOptions) -> anyhow::Result<LoadedCapture> {
     Ok(with_remark(LoadedCapture::load_measured(path, columns.choice()?.as_ref())?))
 }
@@ -18,7 +17,6 @@ pub fn load_chosen(path: &Path, columns: &ColumnOptions) -> anyhow::Result<Loade
     Ok(with_remark(LoadedCapture::load_chosen(path, columns.choice()?.as_ref())?))
 }
 
-/// Loads a capture.
 pub fn load(path: &Path) -> anyhow::Result<LoadedCapture> {
     Ok(with_remark(LoadedCapture::load(path)?))
 }

@@ -45,14 +45,14 @@ mod view;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 
-use crate::command_line::{Command, CommandLine};
+use crate::command_line::Command;
 use crate::outcome::Outcome;
 
 fn main() -> ExitCode {
     shared_types::rig::keep_files_private();
     operator::start_log(operator::LevelFilter::ERROR);
-    let command = match operator::parse::<CommandLine>() {
-        Ok(line) => line.command,
+    let command = match operator::parse::<Command>() {
+        Ok(command) => command,
         Err(status) => return status,
     };
     let files = command.files();
@@ -75,8 +75,8 @@ fn main() -> ExitCode {
         Command::Simulate(options) => simulate::run(&options).map(done),
         Command::Compose(options) => compose::run(&options).map(done),
         Command::Export(options) => export::run(&options).map(done),
-        Command::Completions(options) => manual::completions(&options).map(done),
-        Command::Man(options) => manual::pages(&options).map(done),
+        Command::Completions { shell } => manual::completions(shell).map(done),
+        Command::Man { folder } => manual::pages(&folder).map(done),
         Command::Table(options) => table::run(&options).map(done),
         Command::Trend(options) => trend::run(&options).map(done),
         Command::List(options) => list::run(&options).map(done),

@@ -15,7 +15,7 @@ use shared_types::{Fault, LoopState, LoopStatus, Sample};
 
 use crate::large_job;
 use crate::outcome::remark;
-use crate::supervision::{ModelStart, RunEnd};
+use crate::supervision::RunEnd;
 use crate::until_ci::{Share, StopRule};
 
 /// Time for which the rig is armed before the run begins, s.
@@ -32,8 +32,7 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
     anyhow::ensure!(plan.simulated_knob.is_some(), "the {} only runs in real time; omit --offline", plan.rig.name);
     let mut description = plan.description()?;
     description.notes.push(("time".to_owned(), "offline: simulated time".to_owned()));
-    let felt = |rendering: &Rendering| ModelStart { tick: 0, name: rendering.model.name.clone() };
-    let models = plan.rendering.iter().map(felt).collect();
+    let models = plan.rendering.iter().map(|rendering| (0, rendering.model.name.clone())).collect();
     plan.rendering.iter().flat_map(Rendering::remarks_to_print).for_each(remark);
     let (planned, rate_hz) = (plan.control.planned_ticks, plan.control.rate_hz);
     large_job::tell(planned);
@@ -41,7 +40,9 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
         large_job::admit(planned, rate_hz, path)?;
     }
     let mut rule = until.map(StopRule::new);
-    let mut fit = until.map(|share| LiveFit::new(rate_hz, Some(&plan.rig.calibration)).converging_to(share.0));
+    let mut fit = until.map(|share| {
+        LiveFit::new(rate_hz, plan.rig.calibration.axis, Some(&plan.rig.calibration)).converging_to(share.0)
+    });
     let mut next_s = ESTIMATES_S;
     // Fits what is captured as it comes, as the live fitter does.
     let mut is_enough_known = |sample: &Sample| {
@@ -54,7 +55,13 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
         next_s = time_s + ESTIMATES_S;
         rule.take(time_s, fit.estimate())
     };
-    let armed = armed(plan)?;
+    let Plan { mut apparatus, rig, control, rendering, .. } = plan;
+    let mut state = ControlState::new(control, &rig.calibration).context("the rate is too low for the filters")?;
+    if let Some(rendering) = rendering {
+        state = state.with_renderer(rendering.renderer);
+    }
+    apparatus.enable()?;
+    state.arm();
     let status = whole_file::write_whole(path, Replace::Nothing, |place| {
         let mut writer = CaptureWriter::new(place, &description)?;
         if let Some(model) = description.first_model() {
@@ -67,7 +74,7 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
             writer.sample(&Sample { monotonic_time_ns, ..*sample })?;
             Ok(is_enough_known(sample))
         };
-        let status = turn(armed, rate_hz, stop, keep)?;
+        let status = turn(apparatus, state, rate_hz, stop, keep)?;
         writer.finish()?;
         Ok(status)
     })?;
@@ -82,22 +89,11 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
     })
 }
 
-/// The simulated rig with its amplifier switched on, and the control step that drives it.
-fn armed(plan: Plan) -> anyhow::Result<(Box<dyn Apparatus>, ControlState)> {
-    let Plan { mut apparatus, rig, control, rendering, .. } = plan;
-    let mut state = ControlState::new(control, &rig.calibration).context("the rate is too low for the filters")?;
-    if let Some(rendering) = rendering {
-        state = state.with_renderer(rendering.renderer);
-    }
-    apparatus.enable()?;
-    state.arm();
-    Ok((apparatus, state))
-}
-
 /// Makes the run tick by tick. Every sample goes to `keep` as it comes, so that memory does not grow with the run; the run ends
 /// once `keep` returns true.
 fn turn(
-    (mut apparatus, mut state): (Box<dyn Apparatus>, ControlState),
+    mut apparatus: Box<dyn Apparatus>,
+    mut state: ControlState,
     rate_hz: f64,
     stop: &AtomicBool,
     mut keep: impl FnMut(&Sample) -> Result<bool, ArchiveError>,

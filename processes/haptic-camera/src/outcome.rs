@@ -25,7 +25,6 @@ pub enum Outcome {
     Done = 0,
     Failed = 1,
     WrongUsage = 2,
-    /// Done, but data was lost.
     DataLost = 3,
     /// Done: a unit is out of specification.
     OutOfSpecification = 4,
@@ -69,7 +68,6 @@ pub fn with_options(error: impl std::error::Error + Send + Sync + 'static, optio
     anyhow::anyhow!("{error} ({options})")
 }
 
-/// Whether standard output is reserved for the result as JSON.
 pub fn is_output_json() -> bool {
     OUTPUT_IS_JSON.load(Ordering::Relaxed)
 }
@@ -82,9 +80,7 @@ pub fn say(lines: impl std::fmt::Display) {
     let lines = visible(&lines);
     let trimmed = lines.split('\n').map(str::trim_end).collect::<Vec<_>>().join("\n");
     if is_output_json() {
-        let text = for_terminal(&trimmed, std::io::stderr().is_terminal());
-        // A closed terminal is no reason to stop.
-        with_panel_suspended(|| drop(writeln!(std::io::stderr(), "{text}")));
+        print_error(&trimmed);
     } else {
         print(&for_terminal(&trimmed, std::io::stdout().is_terminal()));
     }
@@ -105,16 +101,19 @@ pub fn show<Line: std::fmt::Display>(lines: impl IntoIterator<Item = Line>) {
     }
 }
 
-/// Prints on standard output as it is.
 pub fn print(text: &str) {
     with_panel_suspended(|| note_output(writeln!(std::io::stdout(), "{text}")));
 }
 
 /// Prints a remark for the operator on standard error.
 pub fn remark(line: impl std::fmt::Display) {
-    let line = for_terminal(&operator::one_line(&line.to_string()), std::io::stderr().is_terminal());
+    print_error(&operator::one_line(&line.to_string()));
+}
+
+fn print_error(text: &str) {
+    let text = for_terminal(text, std::io::stderr().is_terminal());
     // A closed terminal is no reason to stop.
-    with_panel_suspended(|| drop(writeln!(std::io::stderr(), "{line}")));
+    with_panel_suspended(|| drop(writeln!(std::io::stderr(), "{text}")));
 }
 
 fn note_output(printed: std::io::Result<()>) {
@@ -131,8 +130,5 @@ pub fn hold_panel(panel: &ProgressBar) {
 
 fn with_panel_suspended(print: impl FnOnce()) {
     let panel = PANEL.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    match panel.and_then(|panel| panel.upgrade()) {
-        Some(panel) => panel.suspend(print),
-        None => print(),
-    }
+    panel.and_then(|panel| panel.upgrade()).unwrap_or_else(ProgressBar::hidden).suspend(print);
 }

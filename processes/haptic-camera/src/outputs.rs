@@ -18,19 +18,15 @@ pub mod kind {
 
     pub const JSON: Replace = Marked("\"made_by\": \"haptic-camera\"");
     pub const PAGE: Replace = Marked("<meta name=\"generator\" content=\"haptic-camera\">");
-    /// The figures of a data sheet as a table.
     pub const FIGURES: Replace = Marked(sheet::FIGURES_HEADER);
-    /// Figures of many units as a Q-DAS file.
     pub const QDAS: Replace = Marked(sheet::QDAS_REMARK);
     pub const FITTED_MODEL: Replace = Marked(" samples: residual ");
-    /// A model with what a diagnosis found.
     pub const DIAGNOSED_MODEL: Replace = Marked("\ndescription = \"diagnosed from ");
     pub const COMPOSED_MODEL: Replace = Marked("\norigin = ");
     /// What is known of a rig.
     pub const CALIBRATION: Replace = Marked(loaded_capture::CALIBRATION_MARK);
     /// A model for firmware.
     pub const HEADER: Replace = Marked(" as numbers, made by haptic-camera ");
-    /// A model for a simulator.
     pub const SIMULATOR: Replace = Marked(". SI units: N m, rad, s.\n");
     pub const SIMULATION: Replace = Marked("\"apparatus\": \"simulation\"");
     pub const MANUAL_PAGE: Replace = Marked(".TH haptic-camera");
@@ -44,7 +40,6 @@ pub mod kind {
 pub struct Files {
     inputs: Vec<PathBuf>,
     outputs: Vec<(PathBuf, Replace)>,
-    /// Whether standard output is for the result as JSON.
     pub gives_json: bool,
 }
 
@@ -160,7 +155,6 @@ pub fn write(path: &Path, replace: Replace, text: &str) -> anyhow::Result<()> {
     Ok(write_bytes(path, replace, text.as_bytes())?)
 }
 
-/// Writes a text file if it was asked for.
 pub fn write_if_asked(path: &Option<PathBuf>, replace: Replace, text: impl FnOnce() -> String) -> anyhow::Result<()> {
     path.as_ref().map_or(Ok(()), |path| write(path, replace, &text()))
 }

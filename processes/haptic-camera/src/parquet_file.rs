@@ -37,15 +37,19 @@ pub fn begin<'a, To: Write + Send>(
     SerializedFileWriter::new(to, schema, Arc::new(properties))
 }
 
-/// Writes a column of values; `there` says for each row whether it has a value, `None` that every row has one.
+/// Writes a column, a cell for each row: nothing where the row has no value, which only an optional column permits.
 pub fn write_column<Kind: DataType, To: Write + Send>(
     group: &mut SerializedRowGroupWriter<'_, To>,
-    values: &[Kind::T],
-    there: Option<&[i16]>,
+    cells: impl Iterator<Item = Option<Kind::T>>,
 ) -> Result<(), ParquetError> {
+    let (mut there, mut values) = (Vec::new(), Vec::new());
+    for cell in cells {
+        there.push(i16::from(cell.is_some()));
+        values.extend(cell);
+    }
     let Some(mut column) = group.next_column()? else {
         return Err(ParquetError::General("there are more columns than the schema has".to_owned()));
     };
-    column.typed::<Kind>().write_batch(values, there, None)?;
+    column.typed::<Kind>().write_batch(&values, Some(&there), None)?;
     column.close()
 }

@@ -33,7 +33,6 @@ pub struct Recomputed {
     /// The first tick at which the torque commands differ.
     pub first_difference: Option<Difference>,
     pub different_ticks: usize,
-    /// Largest difference, mNm.
     pub largest_difference_mnm: f64,
     /// Number of the first sample missing from the archive; nothing after it can be computed.
     pub missing_from_sample: Option<u64>,
@@ -45,9 +44,7 @@ pub struct Difference {
     pub tick: u64,
     /// Its time in the run, s.
     pub t_s: f64,
-    /// The torque command in the archive, mNm.
     pub recorded_mnm: f64,
-    /// The computed torque command, mNm.
     pub computed_mnm: f64,
 }
 

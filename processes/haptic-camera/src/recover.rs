@@ -50,7 +50,8 @@ fn parts_of(archive: &Path) -> Vec<PathBuf> {
     let (of_a_run, others): (Vec<_>, Vec<_>) = found.partition(|part| matches!(part.run_id, Ok(Some(_))));
     let refused: Vec<_> = others.iter().filter_map(|part| part.run_id.as_ref().err()).collect();
     if let [first, more @ ..] = refused.as_slice() {
-        remark(format!("skipped: {first}, and {} more files of such names", more.len()));
+        let and_more = |more: usize| format!(", and {more} more files of such names");
+        remark(format!("skipped: {first}{}", if more.is_empty() { String::new() } else { and_more(more.len()) }));
     }
     of_a_run.into_iter().map(|part| part.path).collect()
 }

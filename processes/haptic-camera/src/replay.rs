@@ -10,7 +10,7 @@ use rt_loop::request::{HandRequest, LONGEST_DURATION_S, Pace, RenderingRequest, 
 use crate::command_line::RunOptions;
 use crate::outcome::{Outcome, say};
 use crate::outputs::ResultFiles;
-use crate::supervision::{Interrupt, ModelStart, RunEnd, Shown, SupervisedRun, claim_archive};
+use crate::supervision::{Interrupt, RunEnd, Shown, SupervisedRun, claim_archive};
 use crate::verify;
 
 /// Length of an offline replay, which nobody can stop by hand, s.
@@ -106,7 +106,7 @@ fn in_words(options: &ReplayOptions, axis: Axis, request: &RunRequest) -> String
 /// Tells what was rendered, how it went and where the archive lies.
 fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> {
     end.tell();
-    end.models.iter().enumerate().take(LISTED_MODELS).for_each(|(index, ModelStart { tick, name })| {
+    end.models.iter().enumerate().take(LISTED_MODELS).for_each(|(index, (tick, name))| {
         let from_s = *tick as f64 / end.status.rate_hz.max(1.0);
         say(format!("{} {name} from {from_s:.2} s on", if index == 0 { "rendered" } else { "        " }));
     });

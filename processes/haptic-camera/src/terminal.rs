@@ -6,7 +6,6 @@ use comfy_table::{CellAlignment, ContentArrangement, Row, Table, presets};
 use console::measure_text_width;
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Columns of the terminal.
 pub const WIDTH: u16 = 80;
 
 /// Lines, and characters in a line, of the terminal that both results and remarks go to; `None` where either goes elsewhere, or the
@@ -84,9 +83,9 @@ fn indent(sentence: &str) -> usize {
     sentence.len() - text.len() + label.unwrap_or(0)
 }
 
-/// A table line by line, without trailing blanks.
-pub fn lines(table: &Table) -> Vec<String> {
-    table.lines().map(|line| line.trim_end().to_owned()).collect()
+/// Texts line by line, each line as a [`paragraph`].
+pub fn paragraphs(texts: &[String]) -> Vec<String> {
+    texts.iter().flat_map(|text| text.split('\n')).flat_map(|line| paragraph(line.trim_end())).collect()
 }
 
 /// A number with so many decimals; nothing for none.

@@ -26,14 +26,10 @@ pub struct TrendOptions {
     pub results: ResultFiles,
 }
 
-/// The columns of a table by which captures are grouped.
 const GROUPS: [&str; 2] = ["knob", "rig"];
 const DAY_NS: f64 = 86_400e9;
 /// Endings of the column names of an interval's two ends.
 const ENDS: [&str; 2] = ["_ci95_low", "_ci95_high"];
-
-/// A parameter in a capture: when it was captured, ns since 1970, and value with both ends of its interval.
-type Point = (f64, [Option<f64>; 3]);
 
 pub fn run(options: &TrendOptions) -> anyhow::Result<()> {
     let (axis, trend) = read(&options.table, &options.by)?;
@@ -77,7 +73,9 @@ fn read(table: &Path, by: &str) -> anyhow::Result<(Axis, Trend)> {
     };
     let parameters: Vec<&String> =
         columns.iter().filter(|name| columns.contains(&format!("{name}{}", ENDS[0]))).collect();
-    let mut groups: BTreeMap<String, Vec<Vec<Point>>> = BTreeMap::new();
+    // Days since 1970 first: that of the first capture is not known before the last one is read.
+    let mut groups: BTreeMap<String, Vec<Vec<TrendPoint>>> = BTreeMap::new();
+    let mut first_days = f64::INFINITY;
     let mut verdicts: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
     for row in rows.get_row_iter(None).with_context(foreign)? {
         let row = row.with_context(foreign)?;
@@ -101,27 +99,24 @@ fn read(table: &Path, by: &str) -> anyhow::Result<(Axis, Trend)> {
             trend.without_time += 1;
             continue;
         };
+        let days = captured_at_ns / DAY_NS;
+        first_days = first_days.min(days);
         for (points, name) in group.iter_mut().zip(&parameters) {
             let [low, high] = ENDS.map(|end| real(&format!("{name}{end}")));
-            points.push((captured_at_ns, [real(name), low, high]));
+            let ci95 = low.zip(high).map(|(low, high)| [low, high]);
+            points.extend(real(name).map(|value| TrendPoint { days, value, ci95 }));
         }
     }
-    let times = groups.values().flatten().flatten().map(|(captured_at_ns, _)| *captured_at_ns);
-    let first_ns = times.fold(f64::INFINITY, f64::min);
-    let point = |(captured_at_ns, [value, low, high]): &Point| {
-        let ci95 = low.zip(*high).map(|(low, high)| [low, high]);
-        Some(TrendPoint { days: (captured_at_ns - first_ns) / DAY_NS, value: (*value)?, ci95 })
-    };
-    let parameter = |(name, points): (&&String, &Vec<Point>)| {
-        let points: Vec<TrendPoint> = points.iter().filter_map(point).collect();
+    let parameter = |(name, mut points): (&&String, Vec<TrendPoint>)| {
+        points.iter_mut().for_each(|point| point.days -= first_days);
         let unit = units.get(name.as_str()).map(|unit| Cow::Borrowed(*unit));
         let unit = unit.or_else(|| Row::unit_of(name, None, axis)).unwrap_or_default();
         (!points.is_empty()).then(|| TrendParameter::of(name, &unit, points))
     };
-    for (name, columns) in &groups {
+    for (name, columns) in groups {
         let parameters = parameters.iter().zip(columns).filter_map(parameter).collect();
-        let verdicts = verdicts.remove(name).unwrap_or_default();
-        trend.groups.push(TrendGroup { parameters, verdicts, name: name.clone() });
+        let verdicts = verdicts.remove(&name).unwrap_or_default();
+        trend.groups.push(TrendGroup { parameters, verdicts, name });
     }
     Ok((axis, trend))
 }

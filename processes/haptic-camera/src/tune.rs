@@ -68,7 +68,6 @@ const ANSWER: Duration = Duration::from_secs(2);
 const ATTEMPTS: u32 = 5;
 /// Longest wait until the loop can take a model: it takes one in a quarter of a second.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Pause before a model is sent again.
 const PAUSE: Duration = Duration::from_millis(10);
 
 struct LoopModels {
@@ -218,21 +217,6 @@ mod tests {
     use dynamics::knobs;
 
     use super::{apply, changes};
-
-    #[test]
-    fn a_change_is_listed_from_old_to_new_and_what_stays_is_not() {
-        let old = knobs::paper_knob(3).unwrap();
-        let mut new = old.clone();
-        assert_eq!(changes(&old, &new), ["nothing changes: the model is as it was"]);
-        new.effects[0].values_mut()[0] = 0.05;
-        assert_eq!(changes(&old, &new), ["  inertia                0.035 → 0.05 mNm s²/rad"]);
-        let gone = new.effects.pop().unwrap();
-        let listed = changes(&old, &new);
-        assert!(
-            listed[1..].iter().all(|line| line.contains("→ –")) && listed.len() == 1 + gone.values().len(),
-            "{listed:?}"
-        );
-    }
 
     #[test]
     fn a_parameter_of_a_pressed_control_is_set_by_the_name_in_its_file_and_listed_in_its_units() {

@@ -126,7 +126,6 @@ pub fn open(parameters: &[LiveParameter]) -> Vec<&LiveParameter> {
     open
 }
 
-/// A parameter with its interval's share of the value.
 pub fn share_words(known: &LiveParameter) -> String {
     match known.share() {
         Some(share) => format!("{} ± {:.2} %", known.name, 100.0 * share),
@@ -195,13 +194,6 @@ mod tests {
             ends_at(&knowledge(&[CONVERGED, LiveParameter { convergence: Convergence::Negligible, ..OPEN }])).is_some()
         );
         assert_eq!(ends_at(&knowledge(&[])), None);
-    }
-
-    #[test]
-    fn a_share_is_printed_as_it_was_given() {
-        for (given, printed) in [("7%", "7 %"), ("0.5%", "0.5 %"), ("1e-4%", "0.0001 %"), ("33.3333%", "33.3333 %")] {
-            assert_eq!(given.parse::<Share>().unwrap().to_string(), printed);
-        }
     }
 
     #[test]

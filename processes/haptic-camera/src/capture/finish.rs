@@ -14,7 +14,6 @@ use crate::supervision::RunEnd;
 use crate::until_ci::{StopRule, open, share_words};
 use crate::{fit, load};
 
-/// Number of names tried for the results of a capture.
 const NAMES_TRIED: u32 = 1_000;
 
 /// Tells how the run went, fits the archive and writes model and report beside it: where they cannot be written, the run

@@ -67,8 +67,6 @@ pub struct CaptureOptions {
     pub recording: Option<PathBuf>,
 }
 
-/// Runs a capture from start to end, or capture after capture until the knob's effects have names or
-/// the verdict on it is certain.
 pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
     let interrupt = Interrupt::listen()?;
     if options.diagnose {
@@ -78,23 +76,24 @@ pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
         return series::until_certain(options, spec, &interrupt);
     }
     let claim = claim_archive(&options.run.out, options.request.knob_name(), "")?;
-    let run = supervised(options, &claim);
+    let run = supervised(options, options.request.clone(), &claim);
     finish::conclude(&run.archive, &run.take(&interrupt)?, options.request.duration_s)
 }
 
-fn supervised(options: &CaptureOptions, claim: &Claim) -> SupervisedRun {
-    let CaptureOptions { request, run, .. } = options;
-    let plain = SupervisedRun::new(in_words(options), request.clone(), claim.archive().to_owned(), run.offline);
-    SupervisedRun { viewer: run.viewer(), until: options.until_ci, shown: Shown::Fit, ..plain }
+fn supervised(options: &CaptureOptions, request: RunRequest, claim: &Claim) -> SupervisedRun {
+    let CaptureOptions { run, until_ci: until, .. } = options;
+    let in_words = in_words(&request, *until);
+    let plain = SupervisedRun::new(in_words, request, claim.archive().to_owned(), run.offline);
+    SupervisedRun { viewer: run.viewer(), until: *until, shown: Shown::Fit, ..plain }
 }
 
-fn in_words(options: &CaptureOptions) -> String {
-    let knob = options.request.knob_name();
-    let RunRequest { sweep, torque, amplitude, duration_s, pace, .. } = &options.request;
+fn in_words(request: &RunRequest, until: Option<Share>) -> String {
+    let RunRequest { sweep, torque, amplitude, duration_s, pace, rig, .. } = request;
     let amplitude = amplitude
         .map_or_else(String::new, |amplitude| format!(" of {amplitude:.3} {}", if *torque { "mNm" } else { "rad" }));
-    let axis = rt_loop::rigs::file(&options.request.rig).map(|file| file.axis).unwrap_or_default();
+    let axis = rt_loop::rigs::file(rig).map(|file| file.axis).unwrap_or_default();
     let amplitude = axis.words(&amplitude);
-    let until = options.until_ci.map_or_else(|| "for ".to_owned(), |share| format!("until ± {share}, at most "));
+    let until = until.map_or_else(|| "for ".to_owned(), |share| format!("until ± {share}, at most "));
+    let knob = request.knob_name();
     format!("capturing knob {knob} with {sweep}{amplitude} at {} Hz {until}{duration_s} s", pace.rate_hz)
 }

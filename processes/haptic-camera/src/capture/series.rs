@@ -10,7 +10,7 @@ use sheet::{Judgement, Sheet, Verdict};
 
 use super::CaptureOptions;
 use super::evidence::diagnosed;
-use super::next::{Experiment, next};
+use super::next::next;
 use super::{finish, supervised};
 use crate::outcome::{Outcome, remark, say, show};
 use crate::outputs::{ResultFiles, kind, show_on, write};
@@ -22,12 +22,10 @@ const HELD_OUT: &str = "multisine";
 /// … and what is then held out.
 const HELD_OUT_OF_MULTISINE: &str = "stepped-amplitude";
 
-/// Captures that are made one after the other.
 struct Series<'run> {
     options: &'run CaptureOptions,
     interrupt: &'run Interrupt,
     made: u64,
-    /// The worst outcome of any of them.
     worst: Outcome,
 }
 
@@ -37,8 +35,8 @@ const TURN: (&str, f64) = ("slow-turn", 15.0);
 /// Turns the knob until its missing effects have names that nothing rivals, or the budget is spent.
 pub(super) fn until_named(options: &CaptureOptions, interrupt: &Interrupt) -> anyhow::Result<Outcome> {
     let held_out = if options.request.sweep == HELD_OUT { HELD_OUT_OF_MULTISINE } else { HELD_OUT };
-    let experiment = |sweep: &str| Experiment { sweep: sweep.to_owned(), amplitude_rad: options.request.amplitude };
-    let mut made = [options.request.sweep.as_str(), held_out].map(experiment).to_vec();
+    let held_out = RunRequest { sweep: held_out.to_owned(), ..options.request.clone() };
+    let mut made = vec![options.request.clone(), held_out];
     let mut series = Series { options, interrupt, made: 0, worst: Outcome::Done };
     let mut taken: Vec<LoadedCapture> = Vec::new();
     for experiment in &made {
@@ -59,8 +57,7 @@ pub(super) fn until_named(options: &CaptureOptions, interrupt: &Interrupt) -> an
             }
             (Err(error), None) => return Err(error),
         };
-        let next =
-            if interrupt.is_noted() { None } else { next(&found, &made, options.request.duration_s, options.budget) };
+        let next = if interrupt.is_noted() { None } else { next(&found, &made, options.budget) };
         let Some(experiment) = next else {
             conclude(options, &taken, &found)?;
             return Ok(series.worst);
@@ -90,10 +87,8 @@ pub(super) fn until_named(options: &CaptureOptions, interrupt: &Interrupt) -> an
 /// Turns or presses the unit until it passes or fails, or the turns are spent.
 pub(super) fn until_certain(options: &CaptureOptions, spec: &Path, interrupt: &Interrupt) -> anyhow::Result<Outcome> {
     let specification = analysis::load_specification(spec)?;
-    let mut options = options.clone();
-    options.request.duration_s = TURN.1;
-    let turn = Experiment { sweep: TURN.0.to_owned(), amplitude_rad: options.request.amplitude };
-    let mut series = Series { options: &options, interrupt, made: 0, worst: Outcome::Done };
+    let turn = RunRequest { sweep: TURN.0.to_owned(), duration_s: TURN.1, ..options.request.clone() };
+    let mut series = Series { options, interrupt, made: 0, worst: Outcome::Done };
     let mut curves: Vec<Curve> = Vec::new();
     let mut verdict = Verdict::Undecided;
     while verdict == Verdict::Undecided && curves.len() < options.turns as usize {
@@ -118,16 +113,15 @@ pub(super) fn until_certain(options: &CaptureOptions, spec: &Path, interrupt: &I
 
 impl Series<'_> {
     /// Makes one more capture; if it was cut short, the error is its outcome, `None` where it left no archive.
-    fn add(&mut self, experiment: &Experiment) -> anyhow::Result<Result<LoadedCapture, Option<Outcome>>> {
-        let mut options = self.options.clone();
-        let RunRequest { sweep, amplitude, rig, .. } = &mut options.request;
-        (*sweep, *amplitude) = (experiment.sweep.clone(), experiment.amplitude_rad);
+    fn add(&mut self, experiment: &RunRequest) -> anyhow::Result<Result<LoadedCapture, Option<Outcome>>> {
+        let mut request = experiment.clone();
+        let rig = &mut request.rig;
         // Another run has other noise.
         if rt_loop::rigs::file(rig).is_ok_and(|file| file.driver == "simulated") {
             rig.simulated.seed = Some(rig.simulated.seed.unwrap_or(1).wrapping_add(self.made));
         }
-        let claim = claim_archive(&options.run.out, options.request.knob_name(), "")?;
-        let run = supervised(&options, &claim);
+        let claim = claim_archive(&self.options.run.out, request.knob_name(), "")?;
+        let run = supervised(self.options, request, &claim);
         let end = run.take(self.interrupt)?;
         let Some((loaded, outcome)) = finish::read_back(&run.archive, &end)? else { return Ok(Err(None)) };
         if outcome == Outcome::Failed || self.interrupt.is_noted() {

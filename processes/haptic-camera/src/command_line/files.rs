@@ -92,12 +92,12 @@ impl Command {
             Self::Rig(RigCommand::Scan(options)) => files.writing(&options.out, kind::DATA),
             Self::Compose(options) => files.reading(options.sources()).writing(&options.out, options.replaced()),
             // `man` writes into a folder.
-            Self::Man(_)
+            Self::Man { .. }
             | Self::Tune(_)
             | Self::View(_)
             | Self::Doctor(_)
             | Self::Rig(RigCommand::List)
-            | Self::Completions(_) => files,
+            | Self::Completions { .. } => files,
         }
     }
 }
@@ -111,7 +111,6 @@ impl CalibrateOptions {
 }
 
 impl SimulateOptions {
-    /// Whether the simulated capture is written as a table.
     pub fn writes_table(&self) -> bool {
         self.out.as_ref().and_then(|out| out.extension()).is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))
     }

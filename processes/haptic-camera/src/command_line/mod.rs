@@ -5,13 +5,13 @@ mod files;
 use std::path::PathBuf;
 
 use archive::testers::{Assignments, ColumnChoice};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser};
 use rt_loop::request::RigRequest;
 
 use crate::outcome::UsageError;
 use crate::{
-    calibrate, capture, check, compare, compose, diagnose, doctor, export, fit, judge, list, manual, recompute,
-    recover, replay, rig_test, rigs, sheet, simulate, studies, table, trend, tune, view,
+    calibrate, capture, check, compare, compose, diagnose, doctor, export, fit, judge, list, recompute, recover,
+    replay, rig_test, rigs, sheet, simulate, studies, table, trend, tune, view,
 };
 
 /// Captures how a mechanical knob feels, as numbers.
@@ -30,13 +30,6 @@ use crate::{
     haptic-camera capture --knob 3 --duration-s 10\n  \
     haptic-camera list"
 )]
-pub struct CommandLine {
-    /// The command.
-    #[command(subcommand)]
-    pub command: Command,
-}
-
-#[derive(Debug, Subcommand)]
 pub enum Command {
     /// Turn a knob through a sweep, watch it live, and write an archive and a fitted model
     #[command(after_help = "Examples:\n  haptic-camera capture --knob 3 --duration-s 10 --out captures\n  \
@@ -158,10 +151,18 @@ pub enum Command {
         haptic-camera completions bash > ~/.local/share/bash-completion/completions/haptic-camera\n  \
         haptic-camera completions zsh > ~/.zfunc/_haptic-camera\n  \
         haptic-camera completions fish > ~/.config/fish/completions/haptic-camera.fish")]
-    Completions(manual::CompletionsOptions),
+    Completions {
+        /// The shell
+        #[arg(value_enum)]
+        shell: clap_complete::Shell,
+    },
     /// Write manual pages, one for each command
     #[command(after_help = "Example:\n  haptic-camera man ~/.local/share/man/man1 && man haptic-camera-capture")]
-    Man(manual::ManOptions),
+    Man {
+        /// The folder for the pages; created if it does not exist
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
 }
 
 /// The columns of a file of unknown format.

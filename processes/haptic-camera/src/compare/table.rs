@@ -6,7 +6,7 @@ use report::{ComparedKnob, ComparedQuality, ComparedValue, Comparison};
 use sheet::perception::PerceivedDifference;
 
 use crate::fit::agreement_line;
-use crate::terminal::{self, WIDTH, by_reason, decimals, digits, paragraph};
+use crate::terminal::{self, WIDTH, by_reason, decimals, digits, paragraphs};
 
 /// Digits of a value without an interval, and of one that the paper prints.
 const DIGITS: f64 = 4.0;
@@ -28,8 +28,7 @@ pub fn lines(compared: &Comparison) -> Vec<String> {
         let fitting =
             (1..=rest.len()).rev().find(|count| terminal::width(&table(&rest[..*count])) <= WIDTH).unwrap_or(1);
         let (shown, later) = rest.split_at(fitting);
-        lines.extend(terminal::lines(&table(shown)));
-        lines.push(String::new());
+        lines.extend([table(shown).to_string(), String::new()]);
         rest = later;
     }
     lines.push("± is half the 95 % interval".to_owned());
@@ -38,7 +37,7 @@ pub fn lines(compared: &Comparison) -> Vec<String> {
         let felt = compared.knobs.iter().filter_map(|knob| felt(knob, &first.name));
         lines.extend(felt.map(|sentence| format!("  - {sentence}")));
     }
-    lines.iter().flat_map(|line| paragraph(line)).collect()
+    paragraphs(&lines)
 }
 
 /// What a hand would feel of the difference to the first knob, strongest first.

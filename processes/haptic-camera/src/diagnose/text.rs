@@ -6,7 +6,7 @@ use identification::diagnosis::{
     Characteristic, Diagnosis, FLOOR_IS_DOUBTFUL, FORWARD_WINDOW_S, Location, Step, Value, Verdict,
 };
 
-use crate::terminal::{self, digits, interval, paragraph, table};
+use crate::terminal::{digits, interval, paragraphs, table};
 
 /// Coordinates that are named.
 const NAMED: usize = 3;
@@ -27,11 +27,10 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
              and with as many parameters.",
             found.noise_floor_rms
         ));
-        lines.extend(terminal::lines(&steps(&found.steps, decimals)));
-        lines.push(String::new());
-        lines.extend(terminal::lines(&parameters(&found.steps)));
+        let tables = [steps(&found.steps, decimals).to_string(), String::new(), parameters(&found.steps).to_string()];
+        lines.extend(tables);
         let detented = found.steps.iter().filter(|step| !step.detents.is_empty());
-        lines.extend(detented.flat_map(|step| terminal::lines(&detents(step))));
+        lines.extend(detented.map(|step| detents(step).to_string()));
         let tied = found.steps.iter().filter(|step| !step.ties.is_empty());
         lines.extend(tied.map(|step| {
             let rivals = step.ties.join(" or ");
@@ -59,7 +58,7 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
         lines.push(format!("To discriminate between {one} and {other}: {}.", next.reason));
     }
     lines.extend(found.notes.iter().map(|note| format!("- {note}")));
-    lines.iter().flat_map(|line| paragraph(line)).collect()
+    paragraphs(&lines)
 }
 
 /// The torque that was measured over a coordinate and that no effect matches.

@@ -49,7 +49,6 @@ pub struct ExportOptions {
     pub along: Option<PathBuf>,
 }
 
-/// Number of points in a model's table where none was asked for.
 const POINTS: u32 = 256;
 
 impl ExportOptions {
@@ -73,7 +72,6 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     if number.is_finite() && number > 0.0 { Ok(number) } else { Err("it must be greater than zero".to_owned()) }
 }
 
-/// Writes a capture or a model in another format.
 pub fn run(options: &ExportOptions) -> anyhow::Result<()> {
     let source = Path::new(&options.source);
     let ending = options.out.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
@@ -150,14 +148,12 @@ fn as_parquet(loaded: &LoadedCapture) -> Result<(Vec<u8>, usize), ParquetError> 
     let mut group = file.next_row_group()?;
     for (_, values) in &columns {
         match values {
-            Values::Reals(values) => write_column::<DoubleType, _>(&mut group, values, None)?,
+            Values::Reals(values) => write_column::<DoubleType, _>(&mut group, values.iter().copied().map(Some))?,
             Values::Counts(values) => {
-                let counts: Vec<i64> = values.iter().map(|&count| i64::try_from(count).unwrap_or(i64::MAX)).collect();
-                write_column::<Int64Type, _>(&mut group, &counts, None)?;
+                write_column::<Int64Type, _>(&mut group, values.iter().map(|count| Some(count.cast_signed())))?;
             }
             Values::Codes(values) => {
-                let codes: Vec<i32> = values.iter().map(|&code| i32::try_from(code).unwrap_or(i32::MAX)).collect();
-                write_column::<Int32Type, _>(&mut group, &codes, None)?;
+                write_column::<Int32Type, _>(&mut group, values.iter().map(|code| Some(code.cast_signed())))?;
             }
         }
     }

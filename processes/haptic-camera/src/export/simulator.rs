@@ -80,7 +80,7 @@ pub(super) fn smartknob(options: &ExportOptions) -> anyhow::Result<String> {
 fn motion(options: &ExportOptions) -> anyhow::Result<(Vec<Motion>, String)> {
     if let Some(capture) = &options.along {
         let loaded = load::load(capture)?;
-        let motions = identification::knob_motion(&loaded.samples(), loaded.calibration.as_ref())?;
+        let motions = identification::knob_motion(&loaded.samples(), loaded.capture.axis, loaded.calibration.as_ref())?;
         return Ok((motions, format!("the motion of {}", capture.display())));
     }
     let sweep = Excitation::named("linear-chirp", Drive::Position)?;

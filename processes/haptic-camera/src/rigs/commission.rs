@@ -83,11 +83,9 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     let interrupt = Interrupt::listen()?;
     let request = options.rig.torque_request(TRY_S)?;
     let file = rt_loop::rigs::file(&request.rig)?;
-    let limit_mnm = file.limits.map(|limits| limits.motor_torque_mnm);
-    let most_mnm = options.most_torque.or(limit_mnm.map(|limit_mnm| MOST_SHARE * limit_mnm));
-    let Some(most_mnm) = most_mnm else {
-        anyhow::bail!("the largest permitted torque is unknown; give --most-torque, or [limits] in the rig file");
-    };
+    let of_limit_mnm = file.limits.map(|limits| MOST_SHARE * limits.motor_torque_mnm);
+    let unknown = "the largest permitted torque is unknown; give --most-torque, or [limits] in the rig file";
+    let most_mnm = options.most_torque.or(of_limit_mnm).context(unknown)?;
     let axis = file.axis;
     let mut amplitude_mnm = FIRST_SHARE * most_mnm;
     let (mut sweep, mut ceiling_mnm, mut too_far) = (SLOW, f64::INFINITY, 0);
@@ -154,19 +152,19 @@ fn with_doubt_of_scale(error: anyhow::Error, axis: Axis) -> anyhow::Error {
     )
 }
 
-/// A value with the bounds of its 95 % interval, mNm·s²/rad; below zero where the torque drives the other way.
+/// A value with half its 95 % interval, mNm·s²/rad; below zero where the torque drives the other way.
 #[derive(Clone, Copy, Debug)]
 struct Inertia {
     value: f64,
-    low: f64,
-    high: f64,
+    half_width: f64,
 }
 
 /// With the digits that its interval supports.
 impl fmt::Display for Inertia {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { value, low, high } = self;
-        let digits = digits(high - low);
+        let Self { value, half_width } = self;
+        let digits = digits(2.0 * half_width);
+        let [low, high] = [value - half_width, value + half_width];
         write!(f, "{value:.digits$} mNm·s²/rad ({low:.digits$} to {high:.digits$})")
     }
 }
@@ -206,11 +204,9 @@ impl Found {
 
     /// The motor's own inertia: the inertia that it drives less the inertia behind the sensor.
     fn motor(&self) -> Inertia {
-        let Inertia { value, low, high } = self.driven;
+        let Inertia { value, half_width } = self.driven;
         let Some(Some(behind)) = self.behind else { return self.driven };
-        let half = (0.5 * (high - low)).hypot(0.5 * (behind.high - behind.low));
-        let value = value - behind.value;
-        Inertia { value, low: value - half, high: value + half }
+        Inertia { value: value - behind.value, half_width: half_width.hypot(behind.half_width) }
     }
 }
 
@@ -219,12 +215,12 @@ impl Found {
 fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     let axis = file.axis;
     let say = |text: String| say(axis.words(&text));
-    let Some(last) = tries.last() else { anyhow::bail!("no try moved the knob") };
+    let last = tries.last().context("no try moved the knob")?;
     // The last value, with an interval that contains the intervals of all tries.
     let of_all = |inertia: fn(&Found) -> Inertia| {
-        let widest =
-            |all: Inertia, one: Inertia| Inertia { low: all.low.min(one.low), high: all.high.max(one.high), ..all };
-        tries.iter().map(inertia).fold(inertia(last), widest)
+        let value = inertia(last).value;
+        let reach = tries.iter().map(inertia).map(|one| (one.value - value).abs() + one.half_width);
+        Inertia { value, half_width: reach.fold(0.0, f64::max) }
     };
     let (driven, motor) = (of_all(|found| found.driven), of_all(Found::motor));
     say(format!("moved    {:.3} rad", last.moved_rad));
@@ -235,7 +231,7 @@ fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> 
     if let Some(step_rad) = last.angle_step_rad {
         say(format!("step     of the encoder: {step_rad:.3e} rad"));
     }
-    if 0.5 * (motor.high - motor.low) > VAGUE_SHARE * motor.value {
+    if motor.half_width > VAGUE_SHARE * motor.value {
         remark(axis.words(&format!(
             "the motor's inertia is {motor}: too uncertain to be written; commission again with more torque (--most-torque)"
         )));
@@ -283,23 +279,18 @@ fn find(loaded: &LoadedCapture) -> Option<Found> {
 fn inertia(loaded: &LoadedCapture, torque_mnm: &[f64]) -> Option<Inertia> {
     let fit = |torque_mnm: &[f64]| {
         let samples = Samples { torque_mnm, velocity_rad_s: None, acceleration_rad_s2: None, ..loaded.samples() };
-        let options = FitOptions { acceleration: AccelerationUse::Encoder, ..FitOptions::default() };
+        let axis = loaded.capture.axis;
+        let options = FitOptions { axis, acceleration: AccelerationUse::Encoder, ..FitOptions::default() };
         let fit = identification::fit(&samples, &options).ok()?;
         let parameter = fit.parameters.get("inertia")?;
-        let value = parameter.value?;
-        let [low, high] = parameter.ci95.unwrap_or([value; 2]);
-        Some(Inertia { value, low, high })
+        Some(Inertia { value: parameter.value?, half_width: parameter.half_width().unwrap_or(0.0) })
     };
     let turned: Vec<f64> = torque_mnm.iter().map(|torque_mnm| -torque_mnm).collect();
-    fit(torque_mnm)
-        .or_else(|| fit(&turned).map(|Inertia { value, low, high }| Inertia { value: -value, low: -high, high: -low }))
+    fit(torque_mnm).or_else(|| fit(&turned).map(|found| Inertia { value: -found.value, ..found }))
 }
 
-/// What a commissioning finds out, by its name in a calibration.
-type Known = [(&'static str, Option<f64>); 2];
-
-/// The text of a rig file with what is known in it.
-fn with(text: &str, axis: Axis, known: Known) -> anyhow::Result<String> {
+/// The text of a rig file with what is known in it, by its names in a calibration.
+fn with(text: &str, axis: Axis, known: [(&str, Option<f64>); 2]) -> anyhow::Result<String> {
     let mut document: DocumentMut = text.parse().context("it is no TOML")?;
     anyhow::ensure!(
         !document.contains_key("calibration_file"),

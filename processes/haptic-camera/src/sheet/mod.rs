@@ -58,7 +58,6 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<()> {
     write_if_asked(&options.csv, kind::FIGURES, || sheet.figures_csv())
 }
 
-/// The sheet for a terminal.
 fn lines(sheet: &Sheet, files: &[PathBuf]) -> Vec<String> {
     let mut lines = vec![heading(sheet, files), figures(sheet).to_string()];
     let missing = sheet.in_order().filter_map(|figure| Some((figure.kind.name, figure.reason.as_deref()?)));

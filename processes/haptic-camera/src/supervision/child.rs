@@ -34,7 +34,6 @@ pub(crate) fn bare_program(name: &str) -> anyhow::Result<Command> {
     Ok(Command::new(path))
 }
 
-/// Where one of our programs lies: beside this one.
 pub(crate) fn program_path(name: &str) -> anyhow::Result<PathBuf> {
     Ok(std::env::current_exe().context("the location of this program is unknown")?.with_file_name(name))
 }
@@ -124,7 +123,6 @@ impl Child {
         }
     }
 
-    /// Kills it, without waiting for its end.
     pub(super) fn kill(&mut self) {
         let _ = self.process.kill();
         self.is_killed = true;

@@ -44,7 +44,6 @@ pub(crate) struct Consumers {
     words: Words,
 }
 
-/// One consumer and how to start it again.
 struct Consumer {
     kind: ProcessKind,
     arguments: Vec<String>,
@@ -164,7 +163,6 @@ impl Consumer {
         }
     }
 
-    /// Whether no process does its work.
     fn is_away(&mut self) -> bool {
         self.child.as_mut().is_none_or(Child::is_over)
     }
@@ -240,7 +238,6 @@ struct Words {
 }
 
 impl Words {
-    /// Redirects a program's output here.
     fn take_from(&self, command: &mut Command) {
         let Some(file) = &self.file else { return };
         if let (Ok(output), Ok(errors)) = (file.try_clone(), file.try_clone()) {
@@ -248,16 +245,16 @@ impl Words {
         }
     }
 
-    /// Prints the lines that have come since the last time.
+    /// Prints the lines that are complete, longer ones than so many bytes in pieces.
     fn tell(&mut self) {
         let Some(file) = &self.file else { return };
-        if file.metadata().is_ok_and(|file| file.len() <= self.printed) {
-            return;
+        while file.metadata().is_ok_and(|file| file.len() > self.printed) {
+            let mut bytes = vec![0; MOST_BYTES];
+            let read = file.read_at(&mut bytes, self.printed).unwrap_or(0);
+            let complete = bytes[..read].iter().rposition(|&byte| byte == b'\n').map(|end| end + 1);
+            let Some(end) = complete.or((read == MOST_BYTES).then_some(read)) else { return };
+            self.printed += end as u64;
+            String::from_utf8_lossy(&bytes[..end]).lines().for_each(remark);
         }
-        let mut bytes = vec![0; MOST_BYTES];
-        let read = file.read_at(&mut bytes, self.printed).unwrap_or(0);
-        let Some(end) = bytes[..read].iter().rposition(|&byte| byte == b'\n') else { return };
-        self.printed += end as u64 + 1;
-        String::from_utf8_lossy(&bytes[..end]).lines().for_each(remark);
     }
 }

@@ -27,7 +27,6 @@ impl Interrupt {
         Ok(Self { noted, at_rest })
     }
 
-    /// Whether the operator wanted a run to end.
     pub(crate) fn is_noted(&self) -> bool {
         self.noted.load(Ordering::Acquire)
     }

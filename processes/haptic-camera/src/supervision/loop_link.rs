@@ -9,12 +9,9 @@ use shared_types::{
     CommandKind, ControlRequest, FitUpdate, LoopStatus, ModelChange, ProcessHealth, ProcessKind, RunDescription, rig,
 };
 
-use super::ModelStart;
-
 /// Longest wait for the loop's answer to a request.
 const ANSWER: Duration = Duration::from_secs(2);
 
-/// Why a request did not go out.
 pub(crate) fn unsent(error: impl std::fmt::Debug) -> anyhow::Error {
     anyhow::anyhow!("{error:?}").context("the request could not be sent to the control loop")
 }
@@ -29,13 +26,12 @@ pub(crate) struct LoopLink {
     loop_process: u32,
     pub(super) status: LoopStatus,
     fit: Option<FitUpdate>,
-    /// The last health report of each consumer.
     pub(super) health: Vec<ProcessHealth>,
     /// Longest silence of the recorder between two of its reports.
     pub(super) longest_absence: Duration,
     pub(super) run: RunDescription,
     /// The models that began to be felt so far.
-    pub(super) models: Vec<ModelStart>,
+    pub(super) models: Vec<(u64, String)>,
     // Last, since ports go before the node they belong to.
     _node: RigNode,
 }
@@ -88,7 +84,7 @@ impl LoopLink {
             // A message that cannot be read is reported by the recorder, which needs it.
             let change = serde_json::from_slice::<ModelChange>(json.payload()).ok();
             if let Some((tick, Ok(model))) = change.map(|change| (change.tick, change.model())) {
-                self.models.push(ModelStart { tick, name: model.name });
+                self.models.push((tick, model.name));
             }
         }
     }

@@ -31,7 +31,7 @@ pub(crate) use loop_link::unsent;
 use progress::Progress;
 pub(crate) use progress::Shown;
 use run_end::fault_words;
-pub(crate) use run_end::{EndedInFault, ModelStart, RunEnd};
+pub(crate) use run_end::{EndedInFault, RunEnd};
 
 /// Longest wait for the loop to be ready, beside the time that its rig may take to come up.
 const LOOP_READY: Duration = Duration::from_secs(10);
@@ -60,7 +60,6 @@ const CYCLE: Duration = Duration::from_millis(20);
 pub(crate) struct SupervisedRun {
     /// What is done, in words: "capturing knob 3 …".
     pub(crate) in_words: String,
-    /// What the control loop is asked to do.
     pub(crate) request: RunRequest,
     /// Whether the simulated rig is run as fast as the processor goes, without other processes.
     pub(crate) offline: bool,
@@ -73,7 +72,6 @@ pub(crate) struct SupervisedRun {
     pub(crate) shown: Shown,
 }
 
-/// Claims the name of an archive in `out`.
 pub(crate) fn claim_archive(out: &Path, knob: &str, before: &str) -> anyhow::Result<Claim> {
     std::fs::create_dir_all(out)
         .with_context(|| format!("the folder {} cannot be made; choose another with --out", out.display()))?;
@@ -132,7 +130,7 @@ impl SupervisedRun {
         let end = self.take(interrupt)?;
         let folder = archive.parent().unwrap_or(archive).display();
         anyhow::ensure!(!end.interrupted, "stopped by the operator; what was captured so far is in {folder}");
-        if let Some(words) = end.fault_words() {
+        if let Some(words) = fault_words(&end.run, &end.status) {
             return Err(EndedInFault { run: in_words.clone(), words, fault: Fault::from_code(end.status.fault) }.into());
         }
         let archive = end.left_archive(archive).with_context(|| format!("{in_words}: no archive was left"))?;
@@ -231,7 +229,6 @@ fn stop(link: &LoopLink, control_loop: &mut Child) {
     }
 }
 
-/// Takes away what the run left in shared memory.
 pub(crate) fn clear_shared_memory() {
     if files_in_shared_memory(&rig::runtime_dir()).is_empty() {
         return;

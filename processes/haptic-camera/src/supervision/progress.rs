@@ -41,25 +41,21 @@ pub(crate) enum Shown {
     Time,
 }
 
-/// Shows how far the run is and how it goes.
-pub(crate) struct Progress {
-    shown: Shown,
-    until: Option<Share>,
+pub(crate) struct Progress<'run> {
+    run: &'run SupervisedRun,
     bar: Option<ProgressBar>,
     whole_panel: bool,
     next: Instant,
     interval: Duration,
 }
 
-impl Progress {
-    /// For a run that has just begun.
-    pub(crate) fn new(run: &SupervisedRun) -> Self {
-        let shown = run.shown;
+impl<'run> Progress<'run> {
+    pub(crate) fn new(run: &'run SupervisedRun) -> Self {
         let duration_s = (!run.request.is_open_ended()).then_some(run.request.duration_s);
         let size = terminal::size();
         // A panel that does not fit would scroll instead of staying where it is.
         let whole_panel =
-            shown == Shown::Fit && size.is_some_and(|(rows, columns)| rows > FIT_LINES && columns >= WIDTH);
+            run.shown == Shown::Fit && size.is_some_and(|(rows, columns)| rows > FIT_LINES && columns >= WIDTH);
         let bar = size.map(|_| {
             let template = match (duration_s, whole_panel) {
                 (Some(_), true) => "{bar:38}  {prefix}\n{msg}",
@@ -74,7 +70,7 @@ impl Progress {
         let line_interval = lines.map_or(LINE_INTERVAL, |interval| interval.max(LINE_INTERVAL));
         let (first, interval) =
             if bar.is_some() { (Duration::ZERO, PANEL_INTERVAL) } else { (line_interval, line_interval) };
-        Self { shown, until: run.until, bar, whole_panel, next: Instant::now() + first, interval }
+        Self { run, bar, whole_panel, next: Instant::now() + first, interval }
     }
 
     pub(crate) fn show(&mut self, link: &LoopLink) {
@@ -82,8 +78,8 @@ impl Progress {
             return;
         }
         self.next = Instant::now() + self.interval;
-        let line = || match self.shown {
-            Shown::Fit => fit_line(link, self.until),
+        let line = || match self.run.shown {
+            Shown::Fit => fit_line(link, self.run.until),
             Shown::Rendering => rendering_line(link),
             Shown::Time => time_line(link),
         };
@@ -92,7 +88,7 @@ impl Progress {
             Some(bar) => {
                 if self.whole_panel {
                     bar.set_prefix(panel_time(link, bar.length()));
-                    bar.set_message(below_bar(link, self.until));
+                    bar.set_message(below_bar(link, self.run.until));
                 } else {
                     bar.set_message(operator::visible(&line()).into_owned());
                 }
@@ -106,7 +102,7 @@ fn steps(time_s: f64) -> u64 {
     (time_s * STEPS_PER_S).ceil() as u64
 }
 
-/// How far run and fit are, how late the loop was and what was lost.
+/// How far run and fit are, and what was lost.
 fn fit_line(link: &LoopLink, until: Option<Share>) -> String {
     let axis = link.run.axis;
     let known = link.fit().map_or_else(String::new, |fit| {
@@ -120,7 +116,7 @@ fn fit_line(link: &LoopLink, until: Option<Share>) -> String {
     format!("{}{known}", time_line(link))
 }
 
-/// How far the run is, how late the loop was and what was lost.
+/// How far the run is, and what was lost.
 fn time_line(link: &LoopLink) -> String {
     format!("{:5.1} s, {}", link.elapsed_s(), losses(link))
 }
@@ -146,7 +142,7 @@ fn finer(axis: Axis) -> usize {
 fn rendering_line(link: &LoopLink) -> String {
     let status = &link.status;
     let contact = if status.flags & Sample::STUCK == 0 { "sliding" } else { "stuck" };
-    let model = link.models.last().map_or("", |model| model.name.as_str());
+    let model = link.models.last().map_or("", |(_, name)| name.as_str());
     let axis = link.run.axis;
     let calibration = link.run.calibration().ok().flatten();
     // On a rig that renders, the sensor reads the opposite of what the hand does.
@@ -161,7 +157,6 @@ fn rendering_line(link: &LoopLink) -> String {
     )
 }
 
-/// Time in the run, beside the bar.
 fn panel_time(link: &LoopLink, planned_steps: Option<u64>) -> String {
     let planned_s = planned_steps.map(|_| link.status.planned_ticks as f64 / link.status.rate_hz.max(1.0));
     let planned = planned_s.filter(|planned_s| *planned_s > 0.0);

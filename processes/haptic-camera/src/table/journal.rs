@@ -14,10 +14,10 @@ use archive::whole_file::{Replace, beside, write_whole};
 use dynamics::Axis;
 use nix::libc::O_NOFOLLOW;
 use parquet::basic::{Repetition, Type as PhysicalType};
-use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
-use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
+use parquet::file::writer::SerializedFileWriter;
 use sheet::Specification;
 
 use super::CaptureFile;
@@ -33,7 +33,6 @@ const MARK: &str = "rows of a table of captures, by the specification ";
 /// Place of the column `error` in a row.
 const ERROR: usize = 1;
 
-/// The rows of a table in the making.
 pub(super) struct Journal<'spec> {
     specification: Option<&'spec Specification>,
     table: PathBuf,
@@ -65,12 +64,12 @@ impl<'spec> Journal<'spec> {
         let mut reader = BufReader::new(&file);
         reader.read_until(b'\n', &mut text).with_context(unusable)?;
         ensure!(
-            text.is_empty() || text.starts_with(MARK.as_bytes()),
+            text.starts_with(MARK.as_bytes()) || MARK.as_bytes().starts_with(&text),
             "{} is no beginning of a table; choose another --out",
             place.display()
         );
         if text != head.as_bytes() {
-            if !text.is_empty() {
+            if text.starts_with(MARK.as_bytes()) {
                 remark(format!(
                     "the rows in {} were judged by another specification and are made again",
                     place.display()
@@ -181,9 +180,9 @@ fn add_group(
     for (place, (_, empty)) in columns.iter().enumerate() {
         let cells = rows.iter().map(|row| row[place].as_deref());
         match empty {
-            Cell::Text(_) => write::<ByteArrayType>(&mut group, cells.map(|text| text.map(ByteArray::from)))?,
-            Cell::Count(_) => write::<Int64Type>(&mut group, cells.map(|text| text?.parse().ok()))?,
-            Cell::Real(_) => write::<DoubleType>(&mut group, cells.map(|text| text?.parse().ok()))?,
+            Cell::Text(_) => write_column::<ByteArrayType, _>(&mut group, cells.map(|text| text.map(ByteArray::from)))?,
+            Cell::Count(_) => write_column::<Int64Type, _>(&mut group, cells.map(|text| text?.parse().ok()))?,
+            Cell::Real(_) => write_column::<DoubleType, _>(&mut group, cells.map(|text| text?.parse().ok()))?,
         }
     }
     group.close().map(drop)
@@ -195,17 +194,4 @@ fn physical(empty: &Cell) -> PhysicalType {
         Cell::Count(_) => PhysicalType::INT64,
         Cell::Real(_) => PhysicalType::DOUBLE,
     }
-}
-
-/// Writes a column: the values that are there, and for each row whether it has one.
-fn write<Kind: DataType>(
-    group: &mut SerializedRowGroupWriter<'_, BufWriter<File>>,
-    cells: impl Iterator<Item = Option<Kind::T>>,
-) -> Result<(), ParquetError> {
-    let (mut there, mut values) = (Vec::new(), Vec::new());
-    for cell in cells {
-        there.push(i16::from(cell.is_some()));
-        values.extend(cell);
-    }
-    write_column::<Kind, _>(group, &values, Some(&there))
 }

@@ -46,6 +46,7 @@ const ENDINGS: [&str; 3] = ["mcap", "csv", "mf4"];
 pub fn run(options: &TableOptions) -> anyhow::Result<()> {
     let mut files = Vec::new();
     options.folders.iter().try_for_each(|folder| add(folder, &mut files))?;
+    analysis::leave_exports_out(&mut files, |file| &file.path);
     files.sort();
     files.dedup();
     ensure!(!files.is_empty(), "no .{} file in the folders; give folders of captures", ENDINGS.join(", ."));

@@ -43,20 +43,34 @@ pub fn run(options: &ReplayOptions, interrupt: &Interrupt) -> anyhow::Result<Out
     let folder = claim::folder(out, &archive_stem(asked.knob_name(), "verify-"))
         .with_context(|| format!("cannot create a folder in {}; choose another with --out", out.display()))?;
     let mut whole = Outcome::Done;
-    let capture =
-        |name: &str, hand: HandRequest, amplitude: Option<f64>, duration_s| -> anyhow::Result<LoadedCapture> {
-            asked.duration_s = duration_s;
-            (asked.rig.simulated.hand, asked.amplitude) = (Some(hand), amplitude);
-            let in_words = format!("rendering {} for the {name}, {duration_s} s", model.name);
-            let archive = folder.join(format!("{name}.mcap"));
-            let run = SupervisedRun::new(in_words, asked.clone(), archive, options.run.offline);
-            let (archive, outcome) = SupervisedRun { shown: Shown::Rendering, ..run }.complete(interrupt)?;
-            whole = whole.worse(outcome);
-            // Once is enough.
-            asked.rendering.iter_mut().for_each(|rendering| rendering.without_remarks = true);
-            load::load(&archive)
-        };
-    let captures = captures(&model, capture)?;
+    let mut capture = |name: &str, hand: HandRequest, amplitude, duration_s| -> anyhow::Result<LoadedCapture> {
+        asked.duration_s = duration_s;
+        (asked.rig.simulated.hand, asked.amplitude) = (Some(hand), amplitude);
+        let in_words = format!("rendering {} for the {name}, {duration_s} s", model.name);
+        let archive = folder.join(format!("{name}.mcap"));
+        let run = SupervisedRun::new(in_words, asked.clone(), archive, options.run.offline);
+        let (archive, outcome) = SupervisedRun { shown: Shown::Rendering, ..run }.complete(interrupt)?;
+        whole = whole.worse(outcome);
+        // Once is enough.
+        asked.rendering.iter_mut().for_each(|rendering| rendering.without_remarks = true);
+        load::load(&archive)
+    };
+    let (widest, creep_to) = match model.axis {
+        Axis::Rotary => (AMPLITUDE_RAD, CREEP.0),
+        Axis::Linear => (PRESSED_MM, PRESSED_MM),
+    };
+    let amplitude_rad = driving_speed_rad_s(&model)
+        .map_or(widest, |speed_rad_s| (SPEED_SHARE * speed_rad_s / (std::f64::consts::TAU * SWEEP_HZ)).min(widest));
+    let firm = |sweep: &str| HandRequest { hand: sweep.to_owned(), hand_torque: None, grip: GRIP };
+    let holding = |torque_mnm| HandRequest { hand_torque: Some(torque_mnm), grip: 1.0, ..firm("none") };
+    let captures = RenderedCaptures {
+        train: capture("sweep", firm("linear-chirp"), Some(amplitude_rad), SWEEP_S)?,
+        heldout: capture("heldout", firm("stepped-amplitude"), Some(amplitude_rad), SWEEP_S)?,
+        creep: capture("creep", firm("slow-turn"), Some(creep_to), CREEP.1)?,
+        hold: holding_torque_mnm(&model)
+            .map(|torque_mnm| capture("hold", holding(torque_mnm), None, HOLD_S))
+            .transpose()?,
+    };
     let (mut rendering, fit) = analysis::rendering(&model, &captures)?;
     rendering.rate_hz = options.pace.rate_hz;
     let results = &options.results;
@@ -72,29 +86,4 @@ fn page(model: &Model, fit: &Fit, rendering: &Rendering) -> String {
     let gap = rendering.lost_motion.iter().flat_map(table::lost_motion_in_words);
     let notes = gap.chain(rendering.notes.iter().cloned()).collect();
     report::rendering_page(&RenderingPage { intended: model, fit, rendering: Rendering { notes, ..rendering.clone() } })
-}
-
-/// Makes every capture of the rendered knob that the comparison takes.
-///
-/// `capture` makes a capture: its name, the hand, the largest angle of the hand's sweep in rad, its length in s.
-fn captures(
-    model: &Model,
-    mut capture: impl FnMut(&str, HandRequest, Option<f64>, f64) -> anyhow::Result<LoadedCapture>,
-) -> anyhow::Result<RenderedCaptures> {
-    let (widest, creep_to) = match model.axis {
-        Axis::Rotary => (AMPLITUDE_RAD, CREEP.0),
-        Axis::Linear => (PRESSED_MM, PRESSED_MM),
-    };
-    let amplitude_rad = driving_speed_rad_s(model)
-        .map_or(widest, |speed_rad_s| (SPEED_SHARE * speed_rad_s / (std::f64::consts::TAU * SWEEP_HZ)).min(widest));
-    let firm = |sweep: &str| HandRequest { hand: sweep.to_owned(), hand_torque: None, grip: GRIP };
-    let holding = |torque_mnm| HandRequest { hand_torque: Some(torque_mnm), grip: 1.0, ..firm("none") };
-    Ok(RenderedCaptures {
-        train: capture("sweep", firm("linear-chirp"), Some(amplitude_rad), SWEEP_S)?,
-        heldout: capture("heldout", firm("stepped-amplitude"), Some(amplitude_rad), SWEEP_S)?,
-        creep: capture("creep", firm("slow-turn"), Some(creep_to), CREEP.1)?,
-        hold: holding_torque_mnm(model)
-            .map(|torque_mnm| capture("hold", holding(torque_mnm), None, HOLD_S))
-            .transpose()?,
-    })
 }

@@ -127,6 +127,9 @@ fn what_makes_no_sense_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     for (options, status, expected) in [
         (vec!["--budget", "much"], 2, "seconds of turning"),
+        (vec!["--budget", "5m"], 2, "seconds of turning"),
+        (vec!["--budget", "NaNs"], 2, "seconds of turning"),
+        (vec!["--budget", "1.5"], 2, "seconds of turning"),
         (vec!["--torque"], 2, "cannot be used with"),
         (vec!["--reach=-1"], 2, "--reach"),
     ] {

@@ -230,7 +230,9 @@ fn a_folder_is_listed_by_time_with_what_is_damaged_and_what_is_foreign() {
     flipped[middle] ^= 0x10;
     std::fs::write(folder.join("flipped.mcap"), flipped).unwrap();
     std::fs::write(folder.join("notes.txt"), "knob bought in May").unwrap();
+    std::fs::write(folder.join("20261121-101500-a-knob-with-a-long-name.mcap"), "").unwrap();
     let text = done(folder, "list .");
+    assert!(text.contains("20261121-1015…ong-name.mcap"), "{text}");
     assert!(text.lines().all(|line| line.starts_with("- ") || line.chars().count() <= 80), "{text}");
     assert!(!text.contains('\u{1b}'), "no colours where it is no terminal: {text}");
     assert!(text.contains("haptic-camera recover ./cut.mcap"), "{text}");
@@ -252,7 +254,7 @@ fn a_folder_is_listed_by_time_with_what_is_damaged_and_what_is_foreign() {
     assert_eq!(of("cut.mcap")["health"], "truncated");
     assert_eq!(of("flipped.mcap")["health"], "damaged");
     assert_eq!(of("notes.txt")["health"], "foreign");
-    assert_eq!(entries.len(), 5, "results of a fit are no captures: {text}");
+    assert_eq!(entries.len(), 6, "results of a fit are no captures: {text}");
     refused(folder, "list nowhere", 1, "nowhere");
     std::fs::create_dir(folder.join("empty")).unwrap();
     assert!(done(folder, "list empty").contains("holds no captures"));

@@ -83,6 +83,16 @@ fn a_sweep_that_comes_to_its_end_first_says_what_is_not_known() {
 }
 
 #[test]
+fn a_share_is_printed_as_it_was_given() {
+    let folder = tempfile::tempdir().unwrap();
+    for (given, printed) in [("7%", "7 %"), ("1e-4%", "0.0001 %"), ("33.3333%", "33.3333 %")] {
+        let output = capture(folder.path(), &format!("--knob 3 --duration-s 0.5 --until-ci {given}"));
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(said.contains(&format!("until ± {printed}, at most 0.5 s")), "{given}: {said}");
+    }
+}
+
+#[test]
 fn a_share_that_is_none_is_wrong_usage_with_what_to_give_instead() {
     let folder = tempfile::tempdir().unwrap();
     for wrong in ["0", "0%", "abc", "200%", "-1%", "1"] {
