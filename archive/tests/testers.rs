@@ -158,6 +158,9 @@ fn a_table_of_none_of_these_says_which_columns_it_has_and_what_to_do() {
         "FILE is not a known table: it has the columns `Weg`, `Kraft`; name its columns, as in \
          travel=NAME,force=NAME, and their units, as in travel=mm,force=gf"
     );
+    // Units of their own, of which one is not known.
+    let text = table("No.,Force,Unit,Displacement,Unit\n", |n| format!("{n},{n},KIPS,{n},mm"));
+    assert!(read("recorder.csv", &text, None).unwrap_err().contains("is not a known table"));
     let text = table("force,displacement\n", |n| if n == 7.0 { "x,1".to_owned() } else { format!("{n},{n}") });
     let error = "FILE: line 9: `x` in the column force is not a number; correct it, or leave the line out";
     assert_eq!(read("switch.csv", &text, None).unwrap_err(), error);
@@ -216,9 +219,10 @@ fn units_in_the_names_of_chosen_columns_are_converted() {
         assert!((curve.load[1] - 2.0).abs() < 1e-12, "{header}");
     }
     // A row of units may lie under that of the names.
-    let text = table("time,angle,torque\n[ms],[deg],[Nm]\n", |n| format!("{n},{},0.002", 180.0 * n));
+    let text =
+        table("time,angle,torque,temperature\n[ms],[DEG],[Nm],[°C]\n", |n| format!("{n},{},0.002,20", 180.0 * n));
     for columns in
-        ["time=[ms],angle=[deg],torque=[Nm]", "time=time,angle=angle,torque=torque", "time=1,angle=2,torque=3"]
+        ["time=[ms],angle=[DEG],torque=[Nm]", "time=time,angle=angle,torque=torque", "time=1,angle=2,torque=3"]
     {
         let curve = read("units.csv", &text, Some(&chosen(columns))).unwrap();
         assert!((curve.t_s.unwrap()[1] - 1e-3).abs() < 1e-12 && (curve.load[1] - 2.0).abs() < 1e-12);

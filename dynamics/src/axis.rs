@@ -206,11 +206,13 @@ impl Quantity {
         self.factor_as(unit, |one, other| one == other)
     }
 
-    /// The same however a unit is capitalised, as in the names of columns: `ANGLE_DEG`. No two units of a quantity differ in that alone; only
-    /// inches must be `in`, since names end in the word, too.
+    /// The same however a unit is capitalised, as in the names of columns: `ANGLE_DEG`. No two units of a quantity differ in that alone. Inches
+    /// and single letters are as they are written, since names end so, too.
     #[must_use]
     pub fn factor_in_any_case(self, unit: &str) -> Option<f64> {
-        self.factor_as(unit, |one, other| one == other || one != "in" && one.to_lowercase() == other.to_lowercase())
+        self.factor_as(unit, |one, other| {
+            one == other || one.len() > 1 && one != "in" && one.to_lowercase() == other.to_lowercase()
+        })
     }
 
     fn factor_as(self, unit: &str, is_same: impl Fn(&str, &str) -> bool) -> Option<f64> {

@@ -9,5 +9,5 @@ mod table;
 mod text;
 
 pub use file::{open, read_text};
-pub use table::{Column, OtherColumns, TableError, preamble, read_columns, read_labelled, with_point};
+pub use table::{Column, Labelled, OtherColumns, TableError, preamble, read_columns, read_labelled, with_point};
 pub use text::{decoded, one_line, visible};

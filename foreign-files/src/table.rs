@@ -87,6 +87,9 @@ pub fn read_columns<const N: usize>(
     Ok(read_labelled(text, wanted, [], others)?.0)
 }
 
+/// Columns of numbers, `None` for optional ones that are not there, and columns of text.
+pub type Labelled<const N: usize, const M: usize> = ([Option<Vec<f64>>; N], [Vec<String>; M]);
+
 /// The same, with the columns of `labels` as text; they are empty where the table has none.
 ///
 /// # Errors
@@ -96,7 +99,7 @@ pub fn read_labelled<const N: usize, const M: usize>(
     wanted: [Column; N],
     labels: [&str; M],
     others: OtherColumns,
-) -> Result<([Option<Vec<f64>>; N], [Vec<String>; M]), TableError> {
+) -> Result<Labelled<N, M>, TableError> {
     let mut text = BufReader::with_capacity(HEAD, text);
     let required = wanted.iter().filter(|column| column.required).map(|column| column.name);
     let head = text.fill_buf().map_err(from_io)?;

@@ -295,8 +295,8 @@ impl Wiring {
     }
 
     /// Converts a device's reading to a measurement; `torque_mnm` is the motor's torque since the reading before. A channel without a new
-    /// value keeps the one before; a measurement whose angle or torque has no new value is stale. An angle that begins anew goes on from the
-    /// reading before, the first from zero, by no more than half of what it counts.
+    /// value keeps the one before; a measurement whose angle or torque has no new value is stale. A new reading of an
+    /// angle that begins anew is taken within half of its count of the reading before, the first one within half of it of zero.
     pub fn measurement(&mut self, raw: &RawMeasurement, torque_mnm: f64) -> Measurement {
         let is_new = self.angle.is_valid(raw) && self.torque.is_none_or(|wire| wire.is_valid(raw));
         let mut values = raw.values;

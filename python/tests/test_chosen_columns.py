@@ -23,3 +23,7 @@ def test_a_table_is_read_by_the_columns_that_are_named(tmp_path: Path) -> None:
         hc.read(path, columns={"angle": "Winkel", "torque": "Kraft", "time": "Zeit"})
     with pytest.raises(hc.Error, match="has no time"):
         hc.read(path, columns={"angle": "Winkel", "torque": "M"})
+    # Without a time it is a curve, which has friction and detents.
+    fit = hc.fit(path, columns={"angle": "Winkel", "torque": "M"}, units={"angle": "deg", "torque": "Nm"})
+    assert fit.parameters["inertia"].value is None
+    assert fit.parameters["coulomb_positive"].value is not None or fit.parameters["coulomb_positive"].reason

@@ -71,7 +71,7 @@ fn button_bench(table: &RawTable) -> Option<Layout> {
 /// Tables of keyboard switches: `force` in gf and `displacement` in mm.
 fn two_columns(table: &RawTable) -> Option<Layout> {
     // A table that has its units in a column says itself that they are not these.
-    if table.place("Unit").is_some() {
+    if table.header.iter().any(|name| name.eq_ignore_ascii_case("Unit")) {
         return None;
     }
     let layout = pressed((table.place("displacement")?, "mm"), (table.place("force")?, "gf"))?;

@@ -68,10 +68,9 @@ impl RawTable {
         let mut rows = records.split_off(first);
         // What stands below the rows is passed over, and a last row that was cut off.
         while rows.pop_if(|record| table.numbers(record) < 2).is_some() {}
-        if let [.., before, last] = rows.as_slice()
-            && last.len() < before.len()
-        {
-            rows.pop();
+        let whole = rows.first().map_or(0, csv::StringRecord::len);
+        if rows.len() > 1 && rows[rows.len() - 2].len() >= whole {
+            let _ = rows.pop_if(|last| last.len() < whole);
         }
         table.rows = rows;
         let is_header =
@@ -210,14 +209,17 @@ fn with_tabulators(line: &str) -> String {
     line.split_whitespace().collect::<Vec<_>>().join("\t") + "\n"
 }
 
-/// Whether all cells are units, in brackets or not, or empty.
+/// Longest unit, in letters.
+const LONGEST_UNIT: usize = 8;
+
+/// Whether the cells are units, in brackets or not: two that this instrument works with, at least, and of other columns short ones.
 fn are_units(record: &csv::StringRecord) -> bool {
     let quantities = [Quantity::Angle, Quantity::Torque, Quantity::Travel, Quantity::Force, Quantity::Time];
-    let is_unit = |cell: &str| {
+    let is_known = |cell: &&str| {
         let unit = cell.trim_matches(['[', ']', '(', ')', ' ']);
-        unit.is_empty() || unit == "-" || quantities.iter().any(|quantity| quantity.factor(unit).is_some())
+        quantities.iter().any(|quantity| quantity.factor_in_any_case(unit).is_some())
     };
-    record.iter().all(is_unit) && record.iter().any(|cell| !cell.is_empty())
+    record.iter().filter(is_known).count() > 1 && record.iter().all(|cell| cell.chars().count() <= LONGEST_UNIT)
 }
 
 /// A comment's cells without its mark.

@@ -239,8 +239,8 @@ fn sums(combined: &mut Fit, fits: &[Fit]) {
     combined.rows = fits.iter().map(|fit| fit.rows).sum();
 }
 
-/// The points of a capture, compared with the combined model: the residual of the capture's own fit grows by the torque by which the two
-/// models differ, which is the same whatever the fit's filters.
+/// The points of a capture, compared with the combined model: to the residual of the capture's own fit comes the torque by which the two
+/// models differ. It is not filtered as the fit's rows are; where the models are alike, this changes little.
 fn compared<'a>(own: &'a Fit, combined: &Fit) -> impl Iterator<Item = Point> + 'a {
     let inertia = |fit: &Fit| fit.parameters.get("inertia").and_then(|known| known.value);
     let excess = inertia(own).zip(inertia(combined)).map_or(0.0, |(own, combined)| own - combined);

@@ -81,7 +81,7 @@ pub fn diagnose_either_way(
     let Ok(mut exchanged) = diagnose(heldout, Some(train), &exchanged) else { return Ok(found) };
     let why = if names_more_than_a_delay(&exchanged) {
         TELLS_TOO_LITTLE
-    } else if exchanged.verdict == Verdict::None && exchanged.complete {
+    } else if exchanged.verdict == Verdict::None {
         EXPLAINS_BOTH
     } else {
         return Ok(found);
@@ -101,7 +101,7 @@ const EXCHANGED: &str =
 /// Why, where an effect was then found.
 const TELLS_TOO_LITTLE: &str = "whose motion tells too little of what is missing";
 /// Why, where nothing is missing then.
-const EXPLAINS_BOTH: &str = "which alone determines the model too poorly: with these values it explains both";
+const EXPLAINS_BOTH: &str = "whose motion alone determines the model too poorly; so fitted, the model explains both";
 
 /// Finds what a model lacks: names the missing effects, or says that nothing is missing, or that something is missing
 /// that no effect of the catalogue explains.

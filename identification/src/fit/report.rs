@@ -118,9 +118,7 @@ impl<'a> Report<'a> {
     /// The parameters of an effect.
     fn parameters(&self, index: usize, effect: &Effect) -> Vec<Told> {
         let Self { robust, misfit, .. } = self;
-        if effect.kind().regressors.is_none() {
-            return Vec::new();
-        }
+        let Some(regressors) = effect.kind().regressors else { return Vec::new() };
         let jacobian = self.jacobian(index, effect);
         let [variances, textbook] =
             [&robust.matrix, &self.textbook].map(|covariance| &jacobian * covariance * jacobian.transpose());
@@ -132,7 +130,8 @@ impl<'a> Report<'a> {
         // Of other parameters, such as a phase, several coefficients decide.
         let is_coefficient = |position: usize| {
             let unit = |column: usize| f64::from(u8::from(column == range.start + position));
-            position < range.len()
+            regressors.searched.is_empty()
+                && position < range.len()
                 && range.clone().all(|column| (jacobian[(position, column)] - unit(column)).abs() < SAME)
         };
         let parameter = |(position, (kind, value)): (usize, (&'static ParameterKind, f64))| {

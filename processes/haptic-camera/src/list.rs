@@ -116,10 +116,9 @@ impl Entry {
     fn json(&self) -> Value {
         let told = self.read.as_ref().ok();
         let run = told.and_then(|told| told.description.as_ref());
-        json!({
+        let mut entry = json!({
             "file": self.file,
             "health": self.health(),
-            "problem": self.read.as_ref().err().map(|error| one_line(&error.to_string())),
             "captured_at": date(self.captured_at_ns),
             // Of a replay the model.
             "knob": run.map(|run| &run.knob),
@@ -137,7 +136,11 @@ impl Entry {
             "recovered": told.is_some_and(|told| told.recovered),
             "relative_error_percent": self.quality.relative_error_percent,
             "mean_ci95_mnm": self.quality.mean_ci95_mnm,
-        })
+        });
+        if let Err(error) = &self.read {
+            entry["problem"] = one_line(&error.to_string()).into();
+        }
+        entry
     }
 }
 

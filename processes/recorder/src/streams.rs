@@ -77,7 +77,7 @@ impl Streams {
                 Ok(_) => {}
                 // The samples are worth more than a model.
                 Err(error) => {
-                    tracing::warn!("a rendered model is not recorded ({error}); use programs of the same build")
+                    tracing::warn!("a rendered model is not recorded ({error}); use programs of the same build");
                 }
             }
         }

@@ -151,12 +151,13 @@ pub fn run(request: &RunRequest, registry: Registry<'_>) -> anyhow::Result<()> {
     });
     if served.is_err() || !real_time.ends_within(GIVES_UP) {
         // Its thread cannot be ended but with the process; what it drives goes torque-free by its watchdog.
-        let watchdog = rig.watchdog_s.map_or_else(String::new, |watchdog_s| format!(" within {watchdog_s} s"));
+        let watchdog = rig.watchdog_s.map_or_else(
+            || "no watchdog is known that removes the torque: switch the amplifier off".to_owned(),
+            |watchdog_s| format!("its watchdog removes the torque within {watchdog_s} s"),
+        );
         drop(publisher);
         remark(format!(
-            "error: the rig '{}' does not return from a call; its watchdog removes the torque{watchdog}; check \
-             its cable, \
-             and that its driver never blocks",
+            "error: the rig '{}' does not return from a call; {watchdog}; check its cable, and that its driver never blocks",
             rig.name
         ));
         std::process::exit(1);

@@ -25,6 +25,8 @@ pub(crate) const LEFT: f64 = 1.3;
 pub(crate) const TIE: f64 = 3.0;
 /// Share of the gap's amplitude up to which nothing more is looked for.
 pub(crate) const UNEXPLAINED: f64 = 0.06;
+/// Share up to which nothing more is looked for however quiet the sensors are: filters and numerical derivatives leave as much of a large gap.
+const NUMERICAL: f64 = 0.006;
 /// Share of the gap's amplitude that a complete explanation may leave, since no model describes a contact exactly; up to this
 /// share, no coupling is tried.
 pub(crate) const MOSTLY_EXPLAINED: f64 = 0.15;
@@ -59,7 +61,9 @@ pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldou
     predicts
         && (takes_enough && (is_steady || may_be_seldom && unseen > EVIDENCE) || speaks_for_itself && is_steady)
         && (closed > UNEXPLAINED * UNEXPLAINED * first.excess_above_lower_floor(after)
-            || before.most_over_floor() > MOSTLY_NOISE && explains_nearly_all(before, after))
+            || before.most_over_floor() > MOSTLY_NOISE
+                && explains_nearly_all(before, after)
+                && closed > NUMERICAL * NUMERICAL * first.excess_above_lower_floor(after))
 }
 
 /// Whether a model's residual may be noise alone, given how well the floor is known.
@@ -105,7 +109,8 @@ pub(crate) fn explains_surely(before: &Judged, after: &Judged) -> bool {
 /// Whether so little of the first model's gap is left that no further effect could be worth a name, even if the floor
 /// were lower than estimated. Beside a very large gap, such as a weight's, a small share is still far above the noise.
 pub(crate) fn explains_the_gap(judged: &Judged, first: &Judged) -> bool {
-    leaves_at_most(UNEXPLAINED, judged, first) && judged.most_over_floor() < MOSTLY_NOISE
+    leaves_at_most(NUMERICAL, judged, first)
+        || leaves_at_most(UNEXPLAINED, judged, first) && judged.most_over_floor() < MOSTLY_NOISE
 }
 
 /// Whether so little of the first model's gap is left that a coupling, which costs most, need not be tried in the same place.

@@ -179,6 +179,13 @@ mod tests {
     }
 
     #[test]
+    fn a_run_that_was_cut_short_is_reported_and_one_that_the_operator_ended_is_not() {
+        let [cut]: [String; 1] = losses(&status(400, 5, 0), &archived(400, &[]), false).try_into().unwrap_or_default();
+        assert!(cut.contains("after 405 of 1000 ticks: ticks 405 to 999 (595)"), "{cut}");
+        assert_eq!(losses(&status(400, 5, 0), &archived(400, &[]), true), Vec::<String>::new());
+    }
+
+    #[test]
     fn samples_that_were_never_published_are_reported_though_the_archive_has_all_that_were() {
         let losses = losses(&status(800, 0, 200), &archived(800, &[(600, 799)]), false);
         assert_eq!(losses.len(), 2, "{losses:?}");
