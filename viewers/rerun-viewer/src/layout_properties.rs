@@ -3,12 +3,12 @@
 //! A layout is itself a recording of kind "blueprint", in which a view's properties lie at `view/<id>/<archetype>`. The typed
 //! interface makes the views; this adds the properties to the same recording before both are sent.
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use rerun::blueprint::components::PanelState;
 use rerun::blueprint::{
     Blueprint, BlueprintActivation, BlueprintPanel, ContainerLike, SelectionPanel, Tabs, TimePanel,
 };
-use rerun::external::re_log_types::{BlueprintActivationCommand, StoreKind};
+use rerun::external::re_log_types::StoreKind;
 use rerun::log::LogMsg;
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder};
 
@@ -39,16 +39,12 @@ pub fn send(recording: &RecordingStream, tabs: Tabs, time: TimePanel, properties
     let (stage, staged) = RecordingStreamBuilder::new(application).send_properties(false).memory()?;
     blueprint.send(&stage, BlueprintActivation::default())?;
 
-    let mut messages = Vec::new();
-    let mut activation: Option<BlueprintActivationCommand> = None;
-    for message in staged.take() {
-        match message {
-            LogMsg::BlueprintActivationCommand(command) => activation = Some(command),
-            message if message.store_id().kind() == StoreKind::Blueprint => messages.push(message),
-            _ => {}
-        }
-    }
-    let activation = activation.context("rerun gave no layout to activate")?;
+    let mut messages = staged.take();
+    messages.retain(|message| message.store_id().kind() == StoreKind::Blueprint);
+    // rerun activates a layout once it has sent all of it.
+    let Some(LogMsg::BlueprintActivationCommand(activation)) = messages.pop() else {
+        bail!("rerun gave no layout to activate");
+    };
 
     let (additions, added) =
         RecordingStreamBuilder::from_store_id(&activation.blueprint_id).send_properties(false).memory()?;
