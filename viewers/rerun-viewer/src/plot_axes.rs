@@ -70,16 +70,10 @@ impl PlotAxes {
         [BOX_WIDTH / self.x.span(), -BOX_HEIGHT / self.y.span()]
     }
 
-    /// What is added to (x, y) after scaling.
-    pub fn offset(&self) -> [f64; 2] {
-        let [scale_x, scale_y] = self.scale();
-        [-self.x.low * scale_x, -self.y.high * scale_y]
-    }
-
     /// Where a pair of quantities lies in the drawing.
     pub fn place(&self, x: f64, y: f64) -> [f64; 2] {
-        let ([scale_x, scale_y], [offset_x, offset_y]) = (self.scale(), self.offset());
-        [x * scale_x + offset_x, y * scale_y + offset_y]
+        let [scale_x, scale_y] = self.scale();
+        [(x - self.x.low) * scale_x, (y - self.y.high) * scale_y]
     }
 }
 

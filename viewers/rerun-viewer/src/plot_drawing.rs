@@ -81,5 +81,5 @@ fn draw_axes(
     recording.log_static(format!("{root}/labels"), &labels_2d(places, labels, NEUTRAL))?;
 
     // Points stay in their own quantities: when the axes change, only this transform does.
-    recording.log_static(format!("{root}/quantities"), &scaled(axes.scale(), axes.offset()))
+    recording.log_static(format!("{root}/quantities"), &scaled(axes.scale(), axes.place(0.0, 0.0)))
 }
