@@ -19,7 +19,7 @@ const SAMPLES_PER_POLL: usize = 20_000;
 const DIRECTION_SPAN_S: f64 = 0.01;
 
 pub struct CaptureSource {
-    capture: Capture,
+    pub capture: Capture,
     calibration: Option<Calibration>,
     /// The fit, or one sentence on why there is none.
     fit: Result<Fit, String>,
@@ -41,10 +41,6 @@ impl CaptureSource {
         let fit = identification::fit(&loaded.samples(), &options).map_err(|error| error.to_string());
         let LoadedCapture { capture, calibration, .. } = loaded;
         Ok(Self { capture, calibration, fit, next_row: 0 })
-    }
-
-    pub fn samples(&self) -> usize {
-        self.capture.len()
     }
 
     /// What is laid out: the columns that the capture has.
@@ -163,7 +159,7 @@ mod tests {
         let axis = dynamics::Axis::Rotary;
         let columns = Subject { is_live: false, axis, velocity: false, acceleration: false, contact: false };
         assert_eq!(source.subject(), columns);
-        let readings: Vec<Reading> = (0..source.samples()).map(|row| source.reading(row)).collect();
+        let readings: Vec<Reading> = (0..source.capture.len()).map(|row| source.reading(row)).collect();
         assert!(readings.iter().zip(0..50_000).all(|(reading, row)| reading.time_ns == row * 1_000_000));
         assert!(readings[100].turning_positive && !readings[1_000].turning_positive);
         let fit = source.fit.as_ref().unwrap();
@@ -176,7 +172,7 @@ mod tests {
         let inertia = text.split("| inertia | ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
         assert!((inertia.parse::<f64>().unwrap() - 0.2).abs() < 1e-5, "{text}");
         // More than one poll takes.
-        let mut picture = Picture::of_capture(source.samples());
+        let mut picture = Picture::of_capture(source.capture.len());
         while !picture.run.finished() {
             source.poll(true, &mut picture).unwrap();
         }
@@ -204,7 +200,7 @@ mod tests {
     fn a_capture_that_cannot_be_fitted_is_shown_alone_with_the_reason() {
         let still = (0..1_000).map(|row| (f64::from(row) / 1_000.0, 0.5, f64::from(row % 3)));
         let mut source = CaptureSource::open(table(still).path()).unwrap();
-        let mut picture = Picture::of_capture(source.samples());
+        let mut picture = Picture::of_capture(source.capture.len());
         source.poll(true, &mut picture).unwrap();
         let frame = picture.next_frame(0).unwrap();
         assert!(!frame.series.contains_key("signals/model_torque_mnm") && !frame.plots.is_empty());

@@ -16,7 +16,7 @@ pub const TIMELINE: &str = "time_s";
 
 /// Draws one run into one recording.
 pub struct Pen {
-    recording: RecordingStream,
+    pub recording: RecordingStream,
     axis: Axis,
     plots: DrawnAxes,
     /// What moves along a line; `None` for what turns.
@@ -61,11 +61,6 @@ impl Pen {
             recording.log(*entity, &TextDocument::from_markdown(text.as_str()))?;
         }
         Ok(())
-    }
-
-    /// Waits until everything drawn has left the recording.
-    pub fn flush(&self) -> anyhow::Result<()> {
-        Ok(self.recording.flush_blocking()?)
     }
 }
 

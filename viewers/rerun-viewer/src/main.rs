@@ -138,7 +138,7 @@ fn show(arguments: &Arguments) -> anyhow::Result<bool> {
     let outbox = Arc::new(Outbox::new(OUTBOX_FRAMES));
     let shown = screen.show_from(Arc::clone(&outbox))?;
     let mut next_frame = Instant::now();
-    while !(stop.is_asked() || outbox.is_closed() || (ends_with_run && picture.has_ended())) {
+    while !(stop.is_asked() || outbox.is_closed() || (ends_with_run && picture.ended)) {
         // A file waits for a slow screen; a rig would lose what is not taken in.
         if subject.is_live || !outbox.is_full() {
             let samples_wanted = picture.run.rate_hz().is_some();
@@ -193,9 +193,9 @@ fn open(arguments: &Arguments) -> anyhow::Result<(Box<dyn Source>, Picture, Subj
     if let Some(file) = arguments.save.as_ref().filter(same) {
         anyhow::bail!("{} is the capture itself; give --save another name", file.display());
     }
-    let capture = CaptureSource::open(path)?;
-    let (picture, subject) = (Picture::of_capture(capture.samples()), capture.subject());
-    Ok((Box::new(capture), picture, subject))
+    let source = CaptureSource::open(path)?;
+    let (picture, subject) = (Picture::of_capture(source.capture.len()), source.subject());
+    Ok((Box::new(source), picture, subject))
 }
 
 /// Tells the operator where to look, and how from elsewhere if that is asked for; nothing else is written to standard output.

@@ -48,18 +48,14 @@ pub struct Picture {
     plot: Timer,
     slow: Timer,
     tabs: Timer,
-    ended: bool,
+    /// Whether the last frame of the run was given.
+    pub ended: bool,
 }
 
 impl Picture {
     /// A picture of a finished capture of so many samples: all of it stays in view.
     pub fn of_capture(samples: usize) -> Self {
         Self { scatters: Scatters::of_capture(samples), ..Self::default() }
-    }
-
-    /// Whether the last frame of the run was given.
-    pub const fn has_ended(&self) -> bool {
-        self.ended
     }
 
     /// Takes in what the run is.

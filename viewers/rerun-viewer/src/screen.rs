@@ -129,7 +129,7 @@ impl Screen {
         let (_, pen) = self.shown.insert((frame.run_id, pen));
         pen.draw(frame)?;
         if let Place::Page(_, drawn) = &self.place {
-            pen.flush()?;
+            pen.recording.flush_blocking()?;
             self.carrier.flush_blocking()?;
             drawn.seal();
         }
