@@ -106,7 +106,8 @@ impl Picture {
         // After the run its time stands still; a report would have no place on its axis.
         let process = self.run.processes.take_in(health).filter(|_| !finished);
         let (Some(process), Some(newest)) = (process, self.run.newest) else { return };
-        let time_ns = newest.time_ns + since(newest.monotonic_time_ns, health.monotonic_time_ns);
+        let since_ns = health.monotonic_time_ns.checked_signed_diff(newest.monotonic_time_ns).unwrap_or(0);
+        let time_ns = newest.time_ns + since_ns;
         for (quantity, value) in HEALTH.into_iter().zip(process.quantities()).filter(|(_, value)| value.is_finite()) {
             let entity = entities::health(quantity, process.kind.name());
             self.waiting.entry(entity).or_default().push(time_ns, &[value]);
@@ -230,7 +231,8 @@ impl Picture {
     fn keep_parameters(&mut self) {
         let (Some(fit), Some(newest), true) = (self.run.fit, self.run.newest, self.fit_is_new) else { return };
         self.fit_is_new = false;
-        let time_ns = newest.time_ns - since(fit.monotonic_time_ns, newest.monotonic_time_ns);
+        let age_ns = newest.monotonic_time_ns.checked_signed_diff(fit.monotonic_time_ns).unwrap_or(0);
+        let time_ns = newest.time_ns - age_ns;
         for (name, estimate) in fit.estimates().into_iter().filter(|(_, estimate)| finite_value(estimate).is_some()) {
             let values = [estimate.value, estimate.ci95_low, estimate.ci95_high];
             self.waiting.entry(entities::parameter(name)).or_default().push(time_ns, &values);
@@ -269,11 +271,6 @@ impl Timer {
         }
         due
     }
-}
-
-/// From one monotonic time to another, ns, negative when `later` is the earlier one.
-fn since(earlier: u64, later: u64) -> i64 {
-    i64::try_from(i128::from(later) - i128::from(earlier)).unwrap_or(0)
 }
 
 #[cfg(test)]
