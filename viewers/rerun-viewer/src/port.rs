@@ -5,7 +5,7 @@ use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, anyhow};
 
 /// Ports tried beyond the one asked for.
 const PORTS_TRIED: u16 = 10;
@@ -47,11 +47,9 @@ fn take_again(address: SocketAddr) -> Option<TcpListener> {
 fn first_free(wanted: SocketAddr) -> anyhow::Result<TcpListener> {
     let (bind, first) = (wanted.ip(), wanted.port());
     let last = first.saturating_add(PORTS_TRIED - 1);
-    let mut refusals = (first..=last).map(|port| TcpListener::bind(SocketAddr::new(bind, port)));
-    let mut refusal = None;
-    let free = refusals.find_map(|bound| bound.map_err(|error| refusal = Some(error)).ok());
-    let reason = refusal.map_or_else(String::new, |error| format!(" ({error})"));
-    free.with_context(|| format!("no port from {first} to {last} is free at {bind}{reason}; name another one"))
+    let addresses: Vec<_> = (first..=last).map(|port| SocketAddr::new(bind, port)).collect();
+    let bound = TcpListener::bind(addresses.as_slice());
+    bound.map_err(|error| anyhow!("no port from {first} to {last} is free at {bind} ({error}); name another one"))
 }
 
 #[cfg(test)]
