@@ -4,7 +4,7 @@ use std::path::Path;
 
 use archive::Capture;
 use dynamics::{Calibration, Model};
-use identification::{Fit, FitOptions, MeasuredCurve};
+use identification::{Fit, FitOptions, MeasuredCurve, statistics};
 use loaded_capture::LoadedCapture;
 
 use crate::capture_summary;
@@ -117,8 +117,7 @@ fn curves(fit: &Fit) -> Option<KnobModel> {
 fn characteristic_half_width_mnm(fit: &Fit) -> f64 {
     let mean_square = |curve: &MeasuredCurve| {
         let intervals = curve.points.iter().filter_map(|point| point.ci95);
-        let squares: Vec<f64> = intervals.map(|[low, high]| (0.5 * (high - low)).powi(2)).collect();
-        squares.iter().sum::<f64>() / squares.len().max(1) as f64
+        statistics::mean(intervals.map(|[low, high]| (0.5 * (high - low)).powi(2)))
     };
     fit.characteristics.iter().map(mean_square).sum::<f64>().sqrt()
 }
