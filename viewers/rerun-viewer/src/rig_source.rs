@@ -68,9 +68,7 @@ impl Source for RigSource {
             self.source.hear(&status, rig::monotonic_time_ns());
             picture.take_status(&status);
         }
-        if self.source.is_gone(rig::monotonic_time_ns()) {
-            picture.run.source_gone = true;
-        }
+        picture.run.source_gone |= self.source.is_gone(rig::monotonic_time_ns());
         while let Some(fit) = self.fits.receive()? {
             picture.take_fit(&fit);
         }
