@@ -73,10 +73,7 @@ impl State {
 
     fn finish(&mut self) -> anyhow::Result<()> {
         let Some(mut encoder) = self.encoder.take() else { return Ok(()) };
-        let finished = encoder.finish();
-        let file = encoder.into_inner()?;
-        finished?;
-        match file.sync_all() {
+        match encoder.finish().and(encoder.into_inner())?.sync_all() {
             // A pipe or a device has nothing to wait for.
             Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
             synced => Ok(synced?),
