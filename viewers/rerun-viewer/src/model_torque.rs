@@ -17,7 +17,7 @@ use crate::entities::{EQUATION_ONE, parameters};
 use crate::extent;
 
 /// Equation 1 with the parameters of one fit.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct KnobModel {
     /// Inertia, friction, detents if they are identified, and what was measured over the angle instead. Coulomb friction
     /// that the data cannot tell is NaN.
@@ -50,12 +50,7 @@ impl KnobModel {
             effect.kind().name != detent::KIND.name || is_identified(effect) && effect.values()[1] != 0.0
         });
         let half_width = |name: &str| estimate(name).map(|[_, half_width]| half_width).filter(|half| half.is_finite());
-        Some(Self {
-            model,
-            half_widths: equation_one(|name| half_width(name).unwrap_or(0.0)),
-            characteristic_half_width_mnm: 0.0,
-            zero_mnm: 0.0,
-        })
+        Some(Self { model, half_widths: equation_one(|name| half_width(name).unwrap_or(0.0)), ..Self::default() })
     }
 
     /// The model with what a fit measured over the angle, and the half width of its 95 % interval, mNm.
