@@ -19,7 +19,6 @@ pub const LATENESS_HISTOGRAM: &str = "lateness_histogram";
 pub const SUMMARY: &str = "summary";
 pub const PARAMETERS_TEXT: &str = "parameters";
 pub const PROCESSES_TEXT: &str = "processes";
-/// The knob in space.
 pub const KNOB: &str = "knob";
 
 /// Quantities of a process's health, each `health/<quantity>/<process>`.

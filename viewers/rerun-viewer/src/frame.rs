@@ -35,7 +35,6 @@ pub struct Points {
 }
 
 impl Points {
-    /// Adds the value, or the values, at a time.
     pub fn push(&mut self, time_ns: i64, values: &[f64]) {
         self.times_ns.push(time_ns);
         self.values.extend_from_slice(values);

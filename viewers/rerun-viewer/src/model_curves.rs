@@ -23,7 +23,6 @@ pub struct ModelCurves {
     pub half_width_mnm: Option<f64>,
 }
 
-/// Points as (x, torque).
 pub type Curve = Vec<[f64; 2]>;
 
 /// Torque over angle, two curves: the knob turning slowly either way, without inertia.

@@ -29,7 +29,6 @@ const TABS_PERIOD: Duration = Duration::from_millis(5_000);
 /// Gathers what a source tells and gives frames.
 #[derive(Debug, Default)]
 pub struct Picture {
-    /// What is known of the run.
     pub run: Run,
     /// Identity of the run that was shown before.
     left: Option<u64>,
@@ -70,7 +69,6 @@ impl Picture {
         self.run.description = Some(description.clone());
     }
 
-    /// Takes in the control loop's word about itself.
     pub fn take_status(&mut self, status: &LoopStatus) {
         if !self.turn_to_run(status.run_id) {
             return;
@@ -100,7 +98,6 @@ impl Picture {
         }
     }
 
-    /// Takes in a consumer's word about itself.
     pub fn take_health(&mut self, health: &ProcessHealth) {
         let finished = self.run.finished();
         // After the run its time stands still; a report would have no place on its axis.

@@ -49,13 +49,11 @@ impl Axis {
             .collect()
     }
 
-    /// From end to end.
     pub fn span(&self) -> f64 {
         self.high - self.low
     }
 }
 
-/// Both axes of a plot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlotAxes {
     /// Horizontal, to the right.

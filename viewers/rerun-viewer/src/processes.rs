@@ -28,7 +28,6 @@ impl Process {
         [self.cpu_share_percent, self.resident_mib(), lost_samples as f64, latency_ns as f64 / 1e6]
     }
 
-    /// Resident memory, MiB.
     fn resident_mib(&self) -> f64 {
         self.report.resident_bytes as f64 / (1024.0 * 1024.0)
     }

@@ -16,7 +16,6 @@ use crate::lock::lock;
 /// What every rerun file begins with.
 const BEGINS_WITH: &[u8] = b"RRF2";
 
-/// A rerun file that is being written.
 #[derive(Clone)]
 pub struct RecordingFile {
     path: PathBuf,

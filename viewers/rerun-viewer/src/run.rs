@@ -25,7 +25,6 @@ pub struct Run {
     /// The model fitted so far.
     pub fit: Option<FitUpdate>,
     pub rendered: Option<RenderedModel>,
-    /// The consumers.
     pub processes: Processes,
     pub newest: Option<Reading>,
     pub motion: Option<Motion>,
@@ -56,7 +55,6 @@ impl Run {
         self.newest.map_or(0, |newest| newest.time_ns)
     }
 
-    /// Time in the run, s.
     pub fn time_s(&self) -> f64 {
         self.time_ns() as f64 / 1e9
     }

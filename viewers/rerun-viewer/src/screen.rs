@@ -31,7 +31,6 @@ const CONNECTION_CHECK: Duration = Duration::from_millis(500);
 /// Time limit for finding out whether a window listens.
 const CONNECT_LIMIT: Duration = Duration::from_millis(200);
 
-/// Where to show.
 enum Place {
     /// The page served at that address, and the picture that it shows.
     Page(SocketAddr, Drawn),

@@ -49,7 +49,6 @@ impl Signals {
         self.signals.iter_mut().zip(measured).for_each(|(signal, value)| signal.push(time_ns, value));
     }
 
-    /// Takes in what the model gives, mNm.
     pub fn push_model_torque(&mut self, time_ns: i64, torque_mnm: f64) {
         self.signals[SIGNALS.len() - 1].push(time_ns, torque_mnm);
     }

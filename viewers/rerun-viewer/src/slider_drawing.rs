@@ -72,7 +72,6 @@ impl Slider {
     }
 }
 
-/// Units of the drawing in a mm.
 fn units_in_mm(scale: &Axis) -> f64 {
     2.0 * HALF_RAIL / scale.span()
 }

@@ -14,7 +14,6 @@ pub fn map_entity(coordinate: &str) -> String {
 
 /// Bars side by side with their names.
 pub struct Comparison {
-    /// Entity under which they are drawn.
     pub entity: String,
     /// What they are, with their unit.
     pub title: String,

@@ -34,7 +34,6 @@ struct Input {
 struct CaptureRows {
     /// `training` or `heldout`.
     role: String,
-    /// The file that it is from.
     source: String,
     rows: Vec<Row>,
 }

@@ -7,7 +7,6 @@ use identification::diagnosis::Rival;
 use super::{Input, contenders};
 use crate::numbers::three_figures;
 
-/// The diagnosis as Markdown.
 pub fn markdown(input: &Input) -> String {
     let found = &input.diagnosis;
     let mut text = format!("# {}\n", found.summary);

@@ -35,10 +35,8 @@ const REFUSAL: &str = "This live view belongs to another user of this machine. S
 
 /// What a client is given.
 pub type Reply = Response<Full<Bytes>>;
-/// Gives the reply to a request.
 pub type Answers = Arc<dyn Fn(&Request<Incoming>) -> Reply + Send + Sync>;
 
-/// A response with these headers.
 pub fn response<const N: usize>(status: StatusCode, body: Bytes, headers: [(HeaderName, &'static str); N]) -> Reply {
     let mut response = Response::new(Full::from(body));
     *response.status_mut() = status;
