@@ -288,6 +288,12 @@ impl Channels {
 }
 
 impl Wiring {
+    /// What the encoder counts until it begins anew, rad; `None` for one that does not.
+    #[must_use]
+    pub fn angle_count_rad(&self) -> Option<f64> {
+        self.angle_wraps_at.map(|count| (count * self.angle.factor).abs())
+    }
+
     /// Whether a contact is watched.
     #[must_use]
     pub const fn has_contact(&self) -> bool {

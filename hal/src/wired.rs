@@ -1,7 +1,5 @@
 //! The part of a rig's description that comes from its file, alike for all drivers of devices with channels.
 
-use dynamics::Calibration;
-
 use crate::channels::Wiring;
 use crate::{Channels, Limits, RigDescription, RigFile, RigFileError, TorqueSource, Watchdog};
 
@@ -40,8 +38,22 @@ impl RigFile {
         let limits = *self.needed(self.limits.as_ref(), "[limits]")?;
         let watchdog = self.needed_watchdog()?;
         let calibration = self.calibration()?;
-        let calibration = self.needed(calibration.as_ref(), "[calibration] with motor_inertia")?;
+        let mut calibration = self.needed(calibration.as_ref(), "[calibration] with motor_inertia")?.clone();
+        // A file of its own is one that `calibrate` wrote: its delays are whole.
+        if self.calibration_file.is_none() {
+            calibration.torque_delay_s += wiring.torque_delay_s;
+            calibration.acceleration_delay_s += wiring.acceleration_delay_s;
+        }
         let fastest_hz = self.rates.map_or(limits.rate_hz, |rates| rates.fastest_hz.min(limits.rate_hz));
+        let slowest_hz = self.rates.map_or(SLOWEST_HZ, |rates| rates.slowest_hz);
+        let unseen_rad = limits.speed_rad_s * f64::from(watchdog.stale_ticks + 1) / slowest_hz;
+        if let Some(count_rad) = wiring.angle_count_rad().filter(|count_rad| 0.5 * count_rad <= unseen_rad) {
+            return Err(self.error(format!(
+                "[channels.angle] wraps_at: within [watchdog] stale_ticks at [limits] speed_rad_s the encoder may turn by {unseen_rad:.3} rad, more \
+                 than half of the {count_rad:.3} rad after which it begins anew, so that its way is not known; lower one of them, or \
+                 raise [rates] slowest_hz"
+            )));
+        }
         let mut notes = vec![
             ("driver".to_owned(), self.driver.clone()),
             ("watchdog asked for".to_owned(), format!("{} s", watchdog.timeout_s)),
@@ -55,12 +67,8 @@ impl RigFile {
         Ok(RigDescription {
             name: self.name.clone(),
             limits: Limits { rate_hz: fastest_hz, ..limits },
-            slowest_rate_hz: self.rates.map_or(SLOWEST_HZ, |rates| rates.slowest_hz),
-            calibration: Calibration {
-                torque_delay_s: calibration.torque_delay_s + wiring.torque_delay_s,
-                acceleration_delay_s: calibration.acceleration_delay_s + wiring.acceleration_delay_s,
-                ..calibration.clone()
-            },
+            slowest_rate_hz: slowest_hz,
+            calibration,
             torque: wiring.torque_source,
             has_contact: wiring.has_contact(),
             torque_late_ticks: 1.0,
@@ -71,5 +79,43 @@ impl RigFile {
             codes: Vec::new(),
             notes,
         })
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::plugin::TEMPLATE;
+
+    fn described(text: &str, path: &Path) -> Result<RigDescription, RigFileError> {
+        let file = RigFile::parse(text, path)?;
+        let names = ["encoder", "torque"].map(str::to_owned);
+        file.description(&file.needed_channels()?.wire(&names).unwrap().held_between_exchanges(1_000.0))
+    }
+
+    #[test]
+    fn an_encoder_that_may_turn_unseen_by_half_of_its_count_is_refused() {
+        let wraps_at = |count: &str| TEMPLATE.replace("# wraps_at = 4096 ", &format!("wraps_at = {count} "));
+        let path = Path::new("rig.toml");
+        assert!(described(&wraps_at("4096"), path).is_ok());
+        let refused = described(&wraps_at("512"), path).unwrap_err().to_string();
+        assert!(refused.contains("wraps_at") && refused.contains("2.520 rad"), "{refused}");
+    }
+
+    #[test]
+    fn delays_of_the_channels_are_added_to_those_of_the_table_but_not_to_a_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rig.toml");
+        let text = TEMPLATE.replace("delay_s = 0.0 ", "delay_s = 2e-4 ");
+        let mut known = described(&text, &path).unwrap().calibration;
+        assert!((known.torque_delay_s - 7e-4).abs() < 1e-12, "{}", known.torque_delay_s);
+        known.torque_delay_s = 6.9e-4;
+        std::fs::write(folder.path().join("known.toml"), known.to_toml()).unwrap();
+        let (before, _) = text.split_once("[calibration]").unwrap();
+        let file = described(&format!("calibration_file = \"known.toml\"\n{before}"), &path).unwrap();
+        assert!((file.calibration.torque_delay_s - 6.9e-4).abs() < 1e-12);
     }
 }

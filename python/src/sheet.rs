@@ -97,7 +97,8 @@ pub(crate) fn sheet(
 ) -> PyResult<Sheet> {
     let choice = choice(columns, units)?;
     let Sheet { sheet, files } = Sheet::of(py, captures.0, choice.as_ref())?;
-    let at_speed = dynamic.map_or_else(Vec::new, |dynamic| dynamic.0).into_iter().map(|one| one.measured(py, choice.as_ref()));
+    let at_speed =
+        dynamic.map_or_else(Vec::new, |dynamic| dynamic.0).into_iter().map(|one| one.measured(py, choice.as_ref()));
     let at_speed = at_speed.collect::<PyResult<Vec<_>>>()?;
     let fit = interruptible(py, move || mean_fit(at_speed.iter().map(AsRef::as_ref)))?.map_err(raised)?;
     let sheet = match fit {

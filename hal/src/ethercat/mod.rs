@@ -97,6 +97,12 @@ impl EthercatRig {
         }
         let sources = names.iter().map(|name| name.parse()).collect::<Result<Vec<Source>, String>>();
         let sources = sources.map_err(|error| file.error(error))?;
+        if channels.angle.wraps_at.is_some() && channels.angle.source.ends_with(".position") {
+            return Err(file.error(format!(
+                "[channels.angle] wraps_at is for the entry of an encoder, but {} goes on counting by itself; leave wraps_at out",
+                channels.angle.source
+            )));
+        }
         let above_zero = |value: f64| value.is_finite() && value > 0.0;
         let scales = [("rated_torque_mnm", settings.rated_torque_mnm), ("counts_per_turn", settings.counts_per_turn)];
         if let Some((key, Some(value))) =

@@ -18,6 +18,9 @@ pub struct ControlDescription {
     pub planned_ticks: u64,
     /// What the rig must not exceed.
     pub limits: Limits,
+    /// Ticks after which a torque begins to act, as the compensation of cogging knew them; none in older runs.
+    #[serde(default)]
+    pub torque_late_ticks: f64,
     /// Gains of the servo, which also brakes at a stop.
     pub servo_gains: ServoGains,
     /// Gains of the rendering; `None` where a sweep was followed.
@@ -80,7 +83,8 @@ impl Recomputation {
         let described: ControlDescription = run.part("control description", toml::from_str(control_toml))?;
         let calibration = run.calibration()?.ok_or(NotRecomputable::NoControl)?;
         let excitation = run.excitation()?;
-        let ControlDescription { rate_hz, planned_ticks, limits, servo_gains, render_gains } = described;
+        let ControlDescription { rate_hz, planned_ticks, limits, torque_late_ticks, servo_gains, render_gains } =
+            described;
         let render_gains = render_gains.ok_or(NotRecomputable::NotRendered)?;
         let plan = ControlPlan {
             // Not followed: a model is rendered.
@@ -91,6 +95,7 @@ impl Recomputation {
             planned_ticks,
             // What was recorded was within it.
             stale_limit: u32::MAX,
+            torque_late_ticks,
         };
         let model = rendered(&first, &calibration)?;
         let too_slow = || NotRecomputable::Rate { rate_hz };

@@ -7,7 +7,7 @@ mod common;
 use clap::Parser as _;
 use common::Bench;
 use dynamics::{Calibration, CoggingHarmonic};
-use rt_loop::control::{ControlState, Reading, Request};
+use rt_loop::control::{CoggingCompensation, ControlState, Reading, Request};
 use rt_loop::plan::Plan;
 use rt_loop::request::Options;
 use shared_types::LoopState;
@@ -135,4 +135,16 @@ fn a_calibration_with_more_harmonics_than_a_tick_has_time_for_is_refused() {
     known.motor_cogging = Some(vec![CoggingHarmonic { torque_mnm: f64::NAN, ..harmonic }]);
     assert!(planned(&known).unwrap_err().contains("motor_cogging"));
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn a_torque_that_waits_for_a_tick_is_that_of_the_angle_at_which_it_acts() {
+    let mut known = Plan::new(&Options::try_parse_from(["rt-loop"]).unwrap().into()).unwrap().rig.calibration;
+    calibrated(&mut known);
+    known.command_delay_s = Some(5e-5);
+    let tooth = known.motor_cogging.as_ref().unwrap()[0];
+    for (late_ticks, lead_s) in [(0.0, 0.55e-3), (1.0, 1.55e-3), (2.0, 2.55e-3)] {
+        let torque_mnm = CoggingCompensation::new(&known, 1_000.0, late_ticks).torque_mnm(0.7, 12.0);
+        assert!((torque_mnm - tooth.at_mnm(0.7 + 12.0 * lead_s)).abs() < 1e-9, "{late_ticks} ticks: {torque_mnm} mNm");
+    }
 }

@@ -45,6 +45,7 @@ fn plan(planned_ticks: u64) -> ControlPlan {
         rate_hz: RATE_HZ,
         planned_ticks,
         stale_limit: 3,
+        torque_late_ticks: 0.0,
     }
 }
 

@@ -70,6 +70,7 @@ pub fn commanded(
         rate_hz: RATE_HZ,
         planned_ticks,
         stale_limit: 0,
+        torque_late_ticks: 0.0,
     };
     let mut control = ControlState::new(plan, &calibration).ok_or("the rate is too low for the loop's filters")?;
     rig.enable()?;

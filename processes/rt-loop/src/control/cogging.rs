@@ -4,8 +4,8 @@ use dynamics::{Calibration, CoggingHarmonic};
 
 /// Torque that makes the motor turn as if it had no cogging.
 ///
-/// It depends on the angle alone, so that it acts at rest too. A command is held over a tick and reaches the shaft late by the
-/// amplifier's delay, so the torque is computed at the angle that the rotor will have by then. Computed at the reading's angle, it
+/// It depends on the angle alone, so that it acts at rest too. A command waits for its tick on some rigs, is held over a tick and reaches the
+/// shaft late by the amplifier's delay, so the torque is computed at the angle that the rotor will have by then. Computed at the reading's angle, it
 /// would leave a twentieth of a cogging of 48 periods a turn, at 10 kHz and 10 rad/s, and a part of that would drive the rotor.
 #[derive(Clone, Debug)]
 pub struct CoggingCompensation {
@@ -15,12 +15,13 @@ pub struct CoggingCompensation {
 }
 
 impl CoggingCompensation {
-    /// The compensation of the cogging in a calibration, at a sample rate; no torque where the calibration has none.
+    /// The compensation of the cogging in a calibration, at a sample rate and for torques that begin to act so many ticks later; no torque
+    /// where the calibration has none.
     #[must_use]
-    pub fn new(calibration: &Calibration, rate_hz: f64) -> Self {
+    pub fn new(calibration: &Calibration, rate_hz: f64, torque_late_ticks: f64) -> Self {
         Self {
             harmonics: calibration.motor_cogging.as_deref().unwrap_or_default().into(),
-            lead_s: 0.5 / rate_hz + calibration.command_delay_s.unwrap_or(0.0),
+            lead_s: (torque_late_ticks + 0.5) / rate_hz + calibration.command_delay_s.unwrap_or(0.0),
         }
     }
 

@@ -46,6 +46,8 @@ pub struct ControlPlan {
     pub planned_ticks: u64,
     /// Most ticks in a row in which the sensors may bring nothing new.
     pub stale_limit: u32,
+    /// Ticks after which a torque begins to act.
+    pub torque_late_ticks: f64,
 }
 
 /// What is asked of the state machine.
@@ -129,7 +131,7 @@ impl ControlState {
             device_code: 0,
             work: 0.0,
             servo: Servo::new(plan.gains, calibration, plan.rate_hz)?,
-            cogging: CoggingCompensation::new(calibration, plan.rate_hz),
+            cogging: CoggingCompensation::new(calibration, plan.rate_hz, plan.torque_late_ticks),
             release_torque_mnm: 0.0,
             last_torque_mnm: 0.0,
         })

@@ -70,6 +70,7 @@ impl Plan {
                 rate_hz: self.control.rate_hz,
                 planned_ticks: self.control.planned_ticks,
                 limits: self.control.limits,
+                torque_late_ticks: self.control.torque_late_ticks,
                 servo_gains: self.control.gains,
                 render_gains: self.rendering.as_ref().map(|rendering| rendering.gains),
             })?),
@@ -169,6 +170,7 @@ impl Plan {
             rate_hz,
             planned_ticks: request.ticks(),
             stale_limit: rig.stale_limit,
+            torque_late_ticks: rig.torque_late_ticks,
         };
         if let (None, Drive::Position) = (&request.rendering, drive) {
             // A real knob's inertia is unknown before its capture: the motor's stands in for it. Any inertia makes the servo's task easier than none.
