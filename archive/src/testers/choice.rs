@@ -5,7 +5,7 @@ use std::str::FromStr;
 use shared_types::{Axis, Quantity};
 
 use super::layout::{Contact, Layout, Source, Time};
-use super::table::RawTable;
+use super::table::{RawTable, without_brackets};
 
 /// The columns of a table of any format, as in `angle=Winkel,torque=M` with units as in `angle=deg,torque=Ncm`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -187,10 +187,8 @@ impl ColumnChoice {
             let Some(name) = self.column(quantity.name()) else { return Ok(None) };
             let column = place(name)?;
             let named = header.get(column).map_or("", String::as_str);
-            let unit = units.get(column).map(|unit| unit.trim_matches(['[', ']', '(', ')', ' ']));
-            let name = unit
-                .filter(|unit| !unit.is_empty())
-                .map_or_else(|| named.to_owned(), |unit| format!("{named} [{unit}]"));
+            let unit = units.get(column).map(|unit| without_brackets(unit)).filter(|unit| !unit.is_empty());
+            let name = unit.map_or_else(|| named.to_owned(), |unit| format!("{named} [{unit}]"));
             Ok(Some(Source { column, factor: self.factor(quantity, &name)? }))
         };
         let mut required = |quantity| source(quantity)?.ok_or(ChoiceError::Incomplete);

@@ -108,10 +108,12 @@ fn dated_s(table: &RawTable, column: usize) -> Result<Vec<f64>, String> {
 
 /// A moment; without a zone, in universal time.
 fn date(cell: &str) -> Option<jiff::Timestamp> {
-    let in_no_zone = || cell.parse::<jiff::civil::DateTime>().ok()?.to_zoned(jiff::tz::TimeZone::UTC).ok();
     // A number alone is no date.
-    let is_date = cell.contains('-') && cell.contains(':');
-    is_date.then(|| cell.parse().ok().or_else(|| in_no_zone().map(|zoned| zoned.timestamp())))?
+    if !(cell.contains('-') && cell.contains(':')) {
+        return None;
+    }
+    let in_no_zone = || cell.parse::<jiff::civil::DateTime>().ok()?.to_zoned(jiff::tz::TimeZone::UTC).ok();
+    cell.parse().ok().or_else(|| Some(in_no_zone()?.timestamp()))
 }
 
 /// Minutes, seconds and fractions of a second as s.

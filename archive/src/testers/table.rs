@@ -209,16 +209,19 @@ fn with_tabulators(line: &str) -> String {
     line.split_whitespace().collect::<Vec<_>>().join("\t") + "\n"
 }
 
+/// A unit without the brackets around it.
+pub(super) fn without_brackets(unit: &str) -> &str {
+    unit.trim_matches(['[', ']', '(', ')', ' '])
+}
+
 /// Longest unit, in letters.
 const LONGEST_UNIT: usize = 8;
 
 /// Whether the cells are units, in brackets or not: two that this instrument works with, at least, and of other columns short ones.
 fn are_units(record: &csv::StringRecord) -> bool {
     let quantities = [Quantity::Angle, Quantity::Torque, Quantity::Travel, Quantity::Force, Quantity::Time];
-    let is_known = |cell: &&str| {
-        let unit = cell.trim_matches(['[', ']', '(', ')', ' ']);
-        quantities.iter().any(|quantity| quantity.factor_in_any_case(unit).is_some())
-    };
+    let is_known =
+        |cell: &&str| quantities.iter().any(|quantity| quantity.factor_in_any_case(without_brackets(cell)).is_some());
     record.iter().filter(is_known).count() > 1 && record.iter().all(|cell| cell.chars().count() <= LONGEST_UNIT)
 }
 
