@@ -185,11 +185,15 @@ pub unsafe extern "C" fn fmi3GetFloat64(
     place: *mut f64,
     place_count: usize,
 ) -> Status {
-    if place_count != count || place.is_null() && count > 0 {
+    if place_count != count {
         return ERROR;
     }
+    // Importers ask for nothing with a place of null.
     if count == 0 {
         return OK;
+    }
+    if place.is_null() {
+        return ERROR;
     }
     // SAFETY: the importer's promise.
     let Some(instance) = (unsafe { self::instance(instance) }) else { return ERROR };

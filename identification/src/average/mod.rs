@@ -166,11 +166,12 @@ pub fn average(fits: &[Fit]) -> Option<Average> {
     fit.parameters = Parameters(most.parameters.0.iter().map(|parameter| with_mean(parameter, &mean)).collect());
     fit.notes = notes(fits, agreement, &repeatability);
     fit.effects = fit.effects.iter().map(|effect| with_values(effect, &fit.parameters)).collect();
-    fit.effects.retain(|effect| curves.iter().all(|(curve, _)| curve.effect != effect.kind().name));
-    (fit.characteristics, fit.effects) = {
-        let (curves, through): (Vec<_>, Vec<_>) = curves.into_iter().unzip();
-        (curves, [fit.effects, through].concat())
-    };
+    fit.characteristics.clear();
+    for (curve, effect) in curves {
+        fit.effects.retain(|other| other.kind().name != curve.effect);
+        fit.effects.push(effect);
+        fit.characteristics.push(curve);
+    }
     sums(&mut fit, fits);
     fit.covariance = covariance(&mean);
     let own = statistics::mean(fits.iter().map(|one| one.mean_ci95_mnm));
