@@ -335,7 +335,7 @@ fn ticks_that_bring_nothing_new_are_flagged_and_too_many_of_them_end_the_run() {
     }
     let last = rotor.read(1, Ok(stale)).sample.unwrap();
     assert_eq!(last.fault, Fault::Stale.code());
-    assert_eq!(rotor.control.fault(), Some(Fault::Stale));
+    assert_eq!((rotor.control.fault(), rotor.control.device_code()), (Some(Fault::Stale), -7));
 }
 
 #[test]

@@ -29,8 +29,10 @@ pub(crate) struct RunEnd {
 pub(super) fn fault_words(run: &RunDescription, status: &LoopStatus) -> Option<String> {
     let fault = Fault::from_code(status.fault)?;
     let words = run.axis.words(&fault.to_string()).into_owned();
+    let explained = |code| ApparatusError::Device(code).reason(&run.device_codes);
     let reason = match (fault, status.device_code.cast_signed()) {
-        (Fault::Apparatus, code) if code != 0 => ApparatusError::Device(code).reason(&run.device_codes),
+        (Fault::Apparatus, code) if code != 0 => explained(code),
+        (Fault::Stale, code) if code != 0 => format!("{words} ({})", explained(code)),
         (Fault::Apparatus | Fault::Watchdog | Fault::Sensor | Fault::Stale | Fault::Jump | Fault::Clock, _) => words,
         _ => return Some(words),
     };

@@ -405,6 +405,9 @@ impl ControlState {
         if self.state == LoopState::Fault {
             return StepOutput { torque_mnm: 0.0, sample: None };
         }
+        if fault == Fault::Stale {
+            self.device_code = self.tracked.stale_code();
+        }
         let running = self.state == LoopState::Running;
         self.state = LoopState::Fault;
         self.fault = Some(fault);
