@@ -46,8 +46,8 @@ const WAIT_SHARE: f64 = 0.6;
 const ENABLE_CYCLES: u32 = 200;
 /// Cycles in which the drive is asked to let go of the motor, until it says that it has.
 const DISABLE_CYCLES: u32 = 3;
-/// Calls in the tick of a fault, which makes the most: the exchange, the question why a device left OP, and letting go.
-const MOST_CALLS: u32 = 2 + DISABLE_CYCLES;
+/// Calls in the tick of a fault, which makes the most: the exchange, the question why a device left OP, letting go, and leaving the bus.
+const MOST_CALLS: u32 = 3 + DISABLE_CYCLES;
 /// Time that the drive may take to be switched on.
 const SWITCHING_ON: Duration = Duration::from_secs(15);
 
@@ -312,9 +312,11 @@ impl Apparatus for EthercatRig {
             let has_let_go = bus.cycle(command, monotonic_time_ns() + wait_ns).is_ok()
                 && !matches!(DriveState::of(bus.statusword()), DriveState::OperationEnabled | DriveState::QuickStop);
             if has_let_go {
-                return;
+                break;
             }
         }
+        // No process data come from here on: a device that stayed in OP would report that its watchdog ran out.
+        bus.leave();
     }
 
     fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {

@@ -274,6 +274,12 @@ fn the_torque_comes_down_without_a_step_at_every_stop() {
     assert_eq!(rotor.control.state(), LoopState::Idle);
     assert!(previous.abs() < 1.0 && steps > 100, "{previous} mNm left after {steps} ticks");
     assert_eq!(rotor.tick(1).torque_mnm, 0.0);
+    rotor.read(1, Err(ApparatusError::Amplifier));
+    assert_eq!(
+        (rotor.control.state(), rotor.control.fault()),
+        (LoopState::Idle, None),
+        "a rig that is off may be silent"
+    );
 }
 
 #[test]

@@ -53,7 +53,7 @@ struct Outcome {
     heap: AllocationInfo,
     calls: Result<DeclaredCallsMade, CallWatchError>,
     samples: Vec<Sample>,
-    /// Whether the run came to its planned end: a long stall of the host lets the rig's watchdog end it before.
+    /// Whether the run came to its planned end, the deed done: a long stall of the host lets the rig's watchdog end it before.
     whole: bool,
 }
 
@@ -90,17 +90,14 @@ fn live_run(
     }
     port.requests.push(Request::Start).unwrap();
     let mut samples = Vec::new();
-    // The loop goes on ticking when the run is over: whatever the host does meanwhile, the deed is done, unless a fault has the
-    // rig left alone.
-    let is_over = |state| state == LoopState::Fault || state == LoopState::Idle && done.load(Ordering::Acquire);
-    while !is_over(port.shared.state()) {
+    while !matches!(port.shared.state(), LoopState::Idle | LoopState::Fault) {
         std::thread::sleep(Duration::from_millis(1));
         while let Ok(sample) = port.samples.pop() {
             samples.push(sample);
         }
         meanwhile(&mut port, admission.as_ref(), samples.len());
     }
-    let whole = port.shared.state() == LoopState::Idle;
+    let whole = port.shared.state() == LoopState::Idle && done.load(Ordering::Acquire);
     port.shared.quit();
     let heap = thread.join().unwrap();
     Outcome { heap, calls: watch.finish(), samples, whole }

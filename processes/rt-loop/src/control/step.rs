@@ -221,6 +221,10 @@ impl ControlState {
 
     /// One tick: torque and sample from what was read.
     pub fn step(&mut self, reading: &Reading) -> StepOutput {
+        // The rig is off, so that its not answering is no fault.
+        if self.state == LoopState::Idle {
+            return StepOutput { torque_mnm: 0.0, sample: None };
+        }
         self.account_for_missed_ticks(reading.elapsed_ticks);
         let measurement = match reading.measurement {
             Ok(measurement) => measurement,

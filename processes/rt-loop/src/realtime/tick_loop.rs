@@ -166,8 +166,8 @@ impl TickLoop {
         self.watched = Some(watched);
     }
 
-    /// Runs until a request to quit. The rig is prepared. Its amplifier is on from here and off when this returns, and also when it
-    /// panics.
+    /// Runs until a request to quit. The rig is prepared. Its amplifier is on from here to the end of the run, which others may still
+    /// be recording then, and is off when this returns or panics.
     ///
     /// Nothing in here allocates, frees, locks, logs or makes a system call but the sleep in the wait.
     ///
@@ -195,7 +195,7 @@ impl TickLoop {
         }
     }
 
-    /// Torque and measurement of a tick; none from a rig that is switched off because of a fault.
+    /// Torque and measurement of a tick; none from a rig that is switched off.
     fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
         match self.is_on {
             true => self.apparatus.exchange(due_ns, torque_mnm),
@@ -231,9 +231,6 @@ impl TickLoop {
             if self.is_on {
                 refused = self.apparatus.write_torque(torque_mnm).err();
             }
-            if self.control.state() == LoopState::Fault {
-                self.switch_off();
-            }
             let (sensor_read_ns, control_ns) =
                 (saturating_u32(read_ns - tick.begun_ns), saturating_u32(stepped_ns - read_ns));
             if let Some(sample) = output.sample {
@@ -260,6 +257,10 @@ impl TickLoop {
                 // A ring that is full for want of a reader must not hold up the loop: the file shows the gap.
                 let state = self.control.state().code();
                 let _ = records.push(TickRecord { sensor_read_ns, control_ns, push_ns, state, ..TickRecord::of(tick) });
+            }
+            // Last, so that a driver that does not come back from this keeps nothing of the run from being published.
+            if matches!(self.control.state(), LoopState::Idle | LoopState::Fault) {
+                self.switch_off();
             }
         }
     }
