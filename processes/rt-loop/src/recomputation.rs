@@ -116,15 +116,15 @@ impl Recomputation {
 
     /// The next recorded tick.
     pub fn step(&mut self, tick: &RecordedTick) -> StepOutput {
-        let reading = |elapsed_ticks| Reading { elapsed_ticks, measurement: Ok(tick.measurement) };
+        let reading = |elapsed_ticks, measurement| Reading { elapsed_ticks, measurement: Ok(measurement) };
         if !self.begun {
-            // Armed where the run begins: a rendering follows from its samples alone.
+            // Armed where the run begins: a rendering follows from its samples alone. One without new data repeats what was read before.
             self.control.arm();
-            self.control.step(&reading(1));
+            self.control.step(&reading(1, Measurement { is_stale: false, ..tick.measurement }));
             self.control.request(Request::Start);
             self.begun = true;
         }
-        let output = self.control.step(&reading(u64::from(tick.missed_ticks) + 1));
+        let output = self.control.step(&reading(u64::from(tick.missed_ticks) + 1, tick.measurement));
         drop(self.control.retired_model());
         output
     }

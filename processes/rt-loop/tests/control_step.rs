@@ -329,6 +329,26 @@ fn nothing_is_published_and_no_run_begins_before_the_rig_is_armed() {
 }
 
 #[test]
+fn no_run_begins_before_the_first_reading_which_must_come_in_time() {
+    let armed = || {
+        let mut control = ControlState::new(plan(100), &calibration()).unwrap();
+        control.arm();
+        control
+    };
+    let step = |control: &mut ControlState, measurement| {
+        control.step(&Reading { elapsed_ticks: 1, measurement: Ok(measurement) });
+    };
+    let mut control = armed();
+    step(&mut control, Measurement::stale(-7));
+    assert!(control.awaits_reading() && !control.request(Request::Start), "no angle to begin at");
+    step(&mut control, Measurement { angle_rad: 2.0, ..Measurement::default() });
+    assert!(!control.awaits_reading() && control.request(Request::Start));
+    let mut control = armed();
+    (0..4).for_each(|_| step(&mut control, Measurement::stale(-7)));
+    assert_eq!((control.fault(), control.device_code()), (Some(Fault::Stale), -7));
+}
+
+#[test]
 fn ticks_that_bring_nothing_new_are_flagged_and_too_many_of_them_end_the_run() {
     let mut rotor = Rotor::running();
     let stale = Measurement { angle_rad: f64::NAN, ..Measurement::stale(-7) };

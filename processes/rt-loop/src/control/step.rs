@@ -172,6 +172,12 @@ impl ControlState {
         self.state
     }
 
+    /// Whether it is armed and nothing was read so far: there is no angle to hold, nor one to begin a run at.
+    #[must_use]
+    pub fn awaits_reading(&self) -> bool {
+        self.state == LoopState::Armed && self.tick == 0
+    }
+
     /// Why the loop went torque-free, if it did.
     #[must_use]
     pub fn fault(&self) -> Option<Fault> {
@@ -196,7 +202,7 @@ impl ControlState {
     /// Takes up a request; `false` when the state does not permit it.
     pub fn request(&mut self, request: Request) -> bool {
         match (request, self.state) {
-            (Request::Start, LoopState::Armed) => {
+            (Request::Start, LoopState::Armed) if !self.awaits_reading() => {
                 self.next_seq = 0;
                 if self.renderer.is_some() {
                     // A rendering follows from its samples alone: nothing from before the run has a part in it.
@@ -205,8 +211,8 @@ impl ControlState {
                 self.enter(LoopState::Running);
                 true
             }
-            // Nothing was read yet, and no torque given.
-            (Request::Stop, LoopState::Armed) if self.tick == 0 => {
+            // No torque was given.
+            (Request::Stop, LoopState::Armed) if self.awaits_reading() => {
                 self.enter(LoopState::Idle);
                 true
             }

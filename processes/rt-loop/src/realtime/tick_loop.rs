@@ -273,7 +273,9 @@ impl TickLoop {
         self.shared.served_ticks.fetch_add(1, Ordering::Relaxed);
         self.shared.device_code.store(self.control.device_code(), Ordering::Release);
         self.shared.fault.store(self.control.fault().map_or(0, shared_types::Fault::code), Ordering::Release);
-        self.shared.state.store(self.control.state().code(), Ordering::Release);
+        // Armed is what one waits for to begin a run. How long the first reading may take is for the limit of ticks without new data.
+        let state = if self.control.awaits_reading() { LoopState::Idle } else { self.control.state() };
+        self.shared.state.store(state.code(), Ordering::Release);
     }
 }
 
