@@ -59,6 +59,8 @@ pub struct StreamPublisher {
     unsent_samples: u64,
     has_run: bool,
     shutdown: bool,
+    /// A stop that the loop was not asked for so far: one that found no room is asked for again.
+    stop_waits: bool,
     tick_log: Option<TickLog>,
     // Last, since ports go before the node they belong to.
     _node: RigNode,
@@ -99,6 +101,7 @@ impl StreamPublisher {
             unsent_samples: 0,
             has_run: false,
             shutdown: false,
+            stop_waits: false,
             tick_log: None,
             _node: node,
         };
@@ -144,6 +147,7 @@ impl StreamPublisher {
             if !self.shutdown && must_end() {
                 self.begin_shutdown();
             }
+            self.stop_waits = self.stop_waits && !self.ask(Request::Stop);
             // A run shorter than a stall of this thread is never seen running, but its samples are there.
             self.has_run |= has_run(state, self.current.published_samples);
             let at_rest = matches!(state, LoopState::Idle | LoopState::Fault);
@@ -210,7 +214,9 @@ impl StreamPublisher {
                 Some(CommandKind::Query) => true,
                 Some(CommandKind::Start) => state == LoopState::Armed && self.ask(Request::Start),
                 Some(CommandKind::Stop) => {
-                    matches!(state, LoopState::Armed | LoopState::Running) && self.ask(Request::Stop)
+                    let can_stop = matches!(state, LoopState::Armed | LoopState::Running);
+                    self.stop_waits |= can_stop;
+                    can_stop
                 }
                 Some(CommandKind::Shutdown) => {
                     self.begin_shutdown();
@@ -227,7 +233,7 @@ impl StreamPublisher {
 
     fn begin_shutdown(&mut self) {
         self.shutdown = true;
-        self.ask(Request::Stop);
+        self.stop_waits = true;
     }
 
     fn ask(&mut self, request: Request) -> bool {
