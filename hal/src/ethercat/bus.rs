@@ -218,9 +218,10 @@ impl Bus {
         self.input(self.drive.device, self.drive.statusword) as u16
     }
 
-    /// The drive's mode of operation, where it is among its process data.
-    pub(super) fn mode_display(&self) -> Option<u8> {
-        self.drive.mode_display.map(|place| self.input(self.drive.device, place) as u8)
+    /// The drive's mode of operation, where it is among its process data and not the one asked for.
+    pub(super) fn other_mode(&self) -> Option<u8> {
+        let displayed = self.drive.mode_display.map(|place| self.input(self.drive.device, place) as u8);
+        displayed.filter(|mode| *mode != self.mode)
     }
 
     /// The drive's code for its fault, 0 where it is not among its process data.

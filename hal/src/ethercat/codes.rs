@@ -25,6 +25,8 @@ pub(super) const NOT_SENT: i32 = OWN + 6;
 pub(super) const BRING_UP: i32 = OWN + 7;
 /// The drive did not come on.
 pub(super) const NOT_SWITCHED_ON: i32 = OWN + 8;
+/// The drive left cyclic synchronous torque for another mode of operation.
+pub(super) const OTHER_MODE: i32 = OWN + 9;
 
 /// The code for a device that left OP.
 pub(super) fn of_al_status(code: u16) -> i32 {
@@ -59,6 +61,10 @@ pub(super) fn all() -> Vec<(i32, String)> {
         (NOT_ENABLED, "the drive switched itself off; check its safe-torque-off input and its supply"),
         (NOT_OPERATIONAL, "a device left OP without giving a reason; check its supply"),
         (NOT_SENT, "the network interface takes no frames; check that it is up and its cable is in"),
+        (
+            OTHER_MODE,
+            "the drive left cyclic synchronous torque for another mode of operation; check that nothing else commands it",
+        ),
         (NOT_SWITCHED_ON, "the drive does not switch on; check its power stage's supply and its safe-torque-off input"),
     ];
     let own = own.into_iter().map(|(code, meaning)| (code, meaning.to_owned()));

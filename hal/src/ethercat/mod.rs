@@ -204,15 +204,15 @@ impl EthercatRig {
     }
 
     fn check_mode(&self, bus: &Bus) -> Result<(), BringUpError> {
-        match bus.mode_display() {
-            Some(mode) if mode != bus.mode => Err(BringUpError::Unsuitable {
+        match bus.other_mode() {
+            Some(mode) => Err(BringUpError::Unsuitable {
                 device: entries::DRIVE.to_owned(),
                 what: format!(
                     "stays in mode {mode} instead of cyclic synchronous torque ({}); check its settings",
                     bus.mode
                 ),
             }),
-            _ => Ok(()),
+            None => Ok(()),
         }
     }
 
@@ -342,6 +342,10 @@ impl Apparatus for EthercatRig {
             return self.tolerate(codes::WORKING_COUNTER);
         }
         match DriveState::of(bus.statusword()) {
+            // In another mode the target is not taken, or is no torque.
+            DriveState::OperationEnabled if bus.other_mode().is_some() => {
+                return Err(ApparatusError::Device(codes::OTHER_MODE));
+            }
             DriveState::OperationEnabled => {}
             DriveState::Fault | DriveState::FaultReaction => {
                 return Err(ApparatusError::Device(codes::of_drive(bus.error_code())));

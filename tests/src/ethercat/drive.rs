@@ -8,6 +8,8 @@ pub const RATED_TORQUE_MNM: f64 = 100.0;
 pub const COUNTS_PER_TURN: f64 = 524_288.0;
 /// Time that the power stage takes to come on, ns.
 const COMES_ON_NS: u64 = 3_000_000;
+/// Cyclic synchronous position, in 0x6061.
+const CYCLIC_POSITION: u32 = 8;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
@@ -25,6 +27,8 @@ pub struct Drive {
     before: u16,
     enabling_since_ns: Option<u64>,
     pub enabled_since_ns: Option<u64>,
+    /// Whether it is in another mode than it is asked for.
+    pub leaves_mode: bool,
 }
 
 /// The objects of the drive, with a mapping that has no torque in it, as drives come.
@@ -61,14 +65,21 @@ pub fn objects() -> Objects {
 
 impl Drive {
     pub fn new() -> Self {
-        Self { state: State::SwitchOnDisabled, before: 0, enabling_since_ns: None, enabled_since_ns: None }
+        Self {
+            state: State::SwitchOnDisabled,
+            before: 0,
+            enabling_since_ns: None,
+            enabled_since_ns: None,
+            leaves_mode: false,
+        }
     }
 
     /// Goes on by the controlword; gives the torque that the motor makes, mNm.
     pub fn take(&mut self, objects: &mut Objects, is_operational: bool, now_ns: u64) -> f64 {
         use State as S;
         let word = objects.get(0x6040, 0) as u16;
-        objects.set(0x6061, 0, objects.get(0x6060, 0));
+        let mode = if self.leaves_mode { CYCLIC_POSITION } else { objects.get(0x6060, 0) };
+        objects.set(0x6061, 0, mode);
         if self.state == S::Fault {
             if word & 0x80 != 0 && self.before & 0x80 == 0 && is_operational {
                 self.state = S::SwitchOnDisabled;

@@ -28,6 +28,9 @@ pub struct Options {
     /// The drive's safe-torque-off input opens
     #[arg(long)]
     pub safe_torque_off: bool,
+    /// The drive goes over to another mode of operation
+    #[arg(long)]
+    pub other_mode: bool,
     /// When it does, s
     #[arg(long, default_value_t = 1.0)]
     pub after_s: f64,
@@ -180,6 +183,7 @@ impl Segment {
         if is_amiss && self.options.safe_torque_off {
             self.machine.open();
         }
+        self.machine.leaves_mode |= is_amiss && self.options.other_mode;
         if self.drive.since_sync_ns(now_ns).is_none() {
             self.sense(now_ns);
         }

@@ -75,6 +75,12 @@ fn a_drive_that_is_switched_off_by_its_safety_input_is_distinguished_from_one_th
 }
 
 #[test]
+fn a_drive_that_goes_over_to_another_mode_ends_the_run() {
+    let Some(wired) = Wired::new(&["--other-mode", "--after-s", "2"]) else { return };
+    ends_in(&wired, "the drive left cyclic synchronous torque for another mode of operation");
+}
+
+#[test]
 fn a_terminal_that_drops_out_shows_in_the_working_counter() {
     let Some(mut wired) = Wired::new(&["--terminal-absent", "--after-s", "2"]) else { return };
     ends_in(&wired, "a device no longer takes part in the exchange (wrong working counter)");
