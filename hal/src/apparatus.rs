@@ -86,6 +86,8 @@ pub struct RigDescription {
     /// Delay of a torque's effect beyond that of a rig that reads and drives at the tick, in ticks: 1 where the torque acts only
     /// from the next [`exchange`](Apparatus::exchange) on, or the measurement is a tick old.
     pub torque_late_ticks: f64,
+    /// By how much an angle is older than the reading that brings it, s.
+    pub angle_delay_s: f64,
     /// Most ticks in a row without new data.
     pub stale_limit: u32,
     /// Time without a command after which the amplifier itself removes the torque, s, as read back from it once it is
@@ -102,6 +104,13 @@ pub struct RigDescription {
 }
 
 impl RigDescription {
+    /// Ticks at this rate by which the effect of a torque shows later than on a rig that reads and drives at the tick.
+    #[must_use]
+    pub fn late_ticks(&self, rate_hz: f64) -> f64 {
+        // An angle that is dated later than its reading does not make the loop any faster.
+        self.torque_late_ticks + (self.angle_delay_s * rate_hz).max(0.0)
+    }
+
     /// The error in words, with the rig's name.
     #[must_use]
     pub fn explain(&self, error: ApparatusError) -> String {

@@ -168,7 +168,8 @@ pub struct Wiring {
     angle_wraps_at: Option<f64>,
     /// The newest values of the device's channels, the angle's without its jumps.
     newest: [f64; MOST_CHANNELS],
-    angle_delay_s: f64,
+    /// Delay of the angle, s.
+    pub angle_delay_s: f64,
     /// Part of the torque's delay that the driver adds by itself, s.
     pub known_delay_s: f64,
     /// Delay of the torque behind the angle, s.

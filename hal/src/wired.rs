@@ -72,6 +72,7 @@ impl RigFile {
             torque: wiring.torque_source,
             has_contact: wiring.has_contact(),
             torque_late_ticks: 1.0,
+            angle_delay_s: wiring.angle_delay_s,
             stale_limit: watchdog.stale_ticks,
             watchdog_s: None,
             device: self.device.clone(),
@@ -103,6 +104,17 @@ mod tests {
         assert!(described(&wraps_at("4096"), path).is_ok());
         let refused = described(&wraps_at("512"), path).unwrap_err().to_string();
         assert!(refused.contains("wraps_at") && refused.contains("2.520 rad"), "{refused}");
+    }
+
+    #[test]
+    fn the_delay_of_the_angle_is_one_of_the_loop() {
+        let of_delay = |delay_s: &str| {
+            let text = TEMPLATE.replace("[channels.angle] ", &format!("[channels.angle]\ndelay_s = {delay_s} "));
+            described(&text, Path::new("rig.toml")).unwrap()
+        };
+        let late = of_delay("5e-4");
+        assert!((late.late_ticks(2_000.0) - late.torque_late_ticks - 1.0).abs() < 1e-12);
+        assert_eq!(of_delay("-5e-4").late_ticks(2_000.0), late.torque_late_ticks);
     }
 
     #[test]

@@ -51,7 +51,8 @@ pub struct RunDescription {
     pub clock: ClockMapping,
     /// Bits of [`realtime`](crate::realtime): the real-time permissions the loop was given.
     pub realtime: u32,
-    /// By how many ticks a commanded torque acts later than in the tick that commands it; `None` where nobody says.
+    /// By how many ticks a commanded torque acts later than in the tick that commands it, counted from the time of the angle read in
+    /// that tick; `None` where nobody says.
     #[serde(default)]
     pub torque_late_ticks: Option<f64>,
     /// The excitation, as TOML.

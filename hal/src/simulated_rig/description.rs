@@ -30,6 +30,7 @@ pub(super) fn describe(parameters: &RigParameters, knob: &Model, seed: u64) -> R
         torque: TorqueSource::Sensor,
         has_contact: parameters.switch.is_some(),
         torque_late_ticks: 0.0,
+        angle_delay_s: 0.0,
         stale_limit: 0,
         watchdog_s: Some(parameters.watchdog_s),
         device: None,

@@ -29,6 +29,7 @@ fn make(file: &RigFile, request: &RunRequest) -> Result<Rig, PlanError> {
         torque: TorqueSource::Motor,
         has_contact: false,
         torque_late_ticks: 1.0,
+        angle_delay_s: 0.0,
         stale_limit: 0,
         watchdog_s: None,
         device: None,

@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 
 use dynamics::{Calibration, Setpoint};
-use hal::Measurement;
+use hal::{Measurement, RigDescription};
 
 use super::servo::{Servo, ServoGains};
 use crate::stability::{ACTUATOR_DELAY_S, SENSOR_DAMPING_RATIO};
@@ -30,10 +30,8 @@ const RATE_STEP_HZ: f64 = 100.0;
 pub struct Holding<'a> {
     /// The servo's gains.
     pub gains: ServoGains,
-    /// The rig's calibration.
-    pub calibration: &'a Calibration,
-    /// Delay of a torque beyond that of a rig that reads and drives at the tick, in ticks.
-    pub torque_late_ticks: f64,
+    /// The rig.
+    pub rig: &'a RigDescription,
     /// Inertia of the knob while it turns, mNm·s²/rad; zero for the bare gripper.
     pub knob_inertia: f64,
 }
@@ -42,7 +40,7 @@ impl Holding<'_> {
     /// Whether every swing dies away at this rate, while the knob turns and, unless the gripper is bare, while it sticks.
     #[must_use]
     pub fn is_stable(&self, rate_hz: f64) -> bool {
-        let heaviest = HEAVIEST / self.calibration.axis.fingertip_travel().powi(2);
+        let heaviest = HEAVIEST / self.rig.calibration.axis.fingertip_travel().powi(2);
         self.calms(self.knob_inertia, rate_hz) && (self.gains.free_gripper || self.calms(heaviest, rate_hz))
     }
 
@@ -55,23 +53,28 @@ impl Holding<'_> {
     }
 
     fn calms(&self, knob_inertia: f64, rate_hz: f64) -> bool {
-        let Some(mut servo) = Servo::new(self.gains, self.calibration, rate_hz) else { return false };
+        let calibration = &self.rig.calibration;
+        let Some(mut servo) = Servo::new(self.gains, calibration, rate_hz) else { return false };
         let step_s = rate_hz.recip();
-        let mut shaft = Shaft::new(self.calibration, knob_inertia);
+        let mut shaft = Shaft::new(calibration, knob_inertia);
         let mut before_rad = START_RAD;
-        let mut under_way_mnm = VecDeque::from(vec![0.0; self.torque_late_ticks.round() as usize]);
+        let late_ticks = self.rig.late_ticks(rate_hz);
+        let mut under_way_mnm = VecDeque::from(vec![0.0; late_ticks as usize + 1]);
+        // A command that is late by a part of a tick leaves that part to the one before.
+        let before_s = late_ticks.fract() * step_s;
         let ticks = (STRETCH_S * rate_hz) as usize;
         let mut largest_rad = [0.0_f64; STRETCHES];
         for largest_rad in &mut largest_rad {
             for _ in 0..ticks {
                 let angle_rad = shaft.rotor_rad;
-                let torque_mnm = self.calibration.torque_zero_mnm + shaft.sensor_mnm();
+                let torque_mnm = calibration.torque_zero_mnm + shaft.sensor_mnm();
                 let measurement = Measurement { angle_rad, torque_mnm, ..Measurement::default() };
                 let velocity_rad_s = (angle_rad - before_rad) / step_s;
                 before_rad = angle_rad;
                 let command = servo.torque_mnm(&Setpoint::default(), &measurement, velocity_rad_s, 1);
                 under_way_mnm.push_back(command);
-                shaft.turn(under_way_mnm.pop_front().unwrap_or_default(), step_s);
+                shaft.turn(under_way_mnm.pop_front().unwrap_or_default(), before_s);
+                shaft.turn(under_way_mnm.front().copied().unwrap_or_default(), step_s - before_s);
                 *largest_rad = largest_rad.max(shaft.rotor_rad.abs());
             }
         }
@@ -139,5 +142,29 @@ impl Shaft {
             self.rotor_rad += substep_s * self.rotor_rad_s;
             self.gripper_rad += substep_s * self.gripper_rad_s;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+    use dynamics::knobs;
+    use hal::Apparatus as _;
+    use hal::simulated_rig::{RigParameters, SimulatedRig};
+
+    use super::*;
+
+    #[test]
+    fn an_angle_that_is_late_makes_the_servo_swing_as_a_torque_that_is_late_does() {
+        let knob = knobs::paper_knob(3).unwrap();
+        let knob_inertia = knob.inertia();
+        let rig = SimulatedRig::new(RigParameters::default(), knob, 1).unwrap().description().clone();
+        let gains = ServoGains::for_rig(&rig.calibration, rig.torque, 10_000.0, 0.0);
+        let holds = |torque_late_ticks: f64, angle_delay_s: f64| {
+            let rig = RigDescription { torque_late_ticks, angle_delay_s, ..rig.clone() };
+            Holding { gains, rig: &rig, knob_inertia }.is_stable(10_000.0)
+        };
+        assert!(holds(0.0, 0.0));
+        assert!(!holds(100.0, 0.0) && !holds(0.0, 1e-2) && !holds(0.5, 9.95e-3));
     }
 }

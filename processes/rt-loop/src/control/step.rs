@@ -46,7 +46,7 @@ pub struct ControlPlan {
     pub planned_ticks: u64,
     /// Most ticks in a row in which the sensors may bring nothing new.
     pub stale_limit: u32,
-    /// Ticks after which a torque begins to act.
+    /// Ticks by which the effect of a torque shows later than on a rig that reads and drives at the tick.
     pub torque_late_ticks: f64,
 }
 

@@ -61,7 +61,7 @@ impl Plan {
             planned_ticks: self.control.planned_ticks,
             clock: ClockMapping { monotonic_time_ns: monotonic_time_ns(), wall_clock_time_ns: wall_clock_time_ns() },
             realtime: 0,
-            torque_late_ticks: Some(self.rig.torque_late_ticks),
+            torque_late_ticks: Some(self.control.torque_late_ticks),
             excitation_toml: toml::to_string(&self.control.excitation)?,
             calibration_toml: self.rig.calibration_of_torque().to_toml(),
             simulated_knob_toml: self.simulated_knob.as_ref().map(Model::to_toml),
@@ -170,7 +170,7 @@ impl Plan {
             rate_hz,
             planned_ticks: request.ticks(),
             stale_limit: rig.stale_limit,
-            torque_late_ticks: rig.torque_late_ticks,
+            torque_late_ticks: rig.late_ticks(rate_hz),
         };
         if let (None, Drive::Position) = (&request.rendering, drive) {
             // A real knob's inertia is unknown before its capture: the motor's stands in for it. Any inertia makes the servo's task easier than none.
@@ -187,7 +187,7 @@ impl Plan {
 
 /// The servo's gains on a rig at a rate.
 fn gains(rig: &RigDescription, request: &RunRequest, rate_hz: f64) -> ServoGains {
-    let gains = ServoGains::for_rig(&rig.calibration, rig.torque, rate_hz, rig.torque_late_ticks);
+    let gains = ServoGains::for_rig(&rig.calibration, rig.torque, rate_hz, rig.late_ticks(rate_hz));
     match request.knob.as_deref().and_then(Fixture::named) {
         Some(Fixture::None) => gains.for_free_gripper(&rig.calibration),
         Some(Fixture::Locked) | None => gains,
@@ -217,8 +217,7 @@ fn check_servo(
     gains_at: impl Fn(f64) -> ServoGains,
 ) -> Result<(), PlanError> {
     let ControlPlan { gains, rate_hz, .. } = *control;
-    let holding =
-        Holding { gains, calibration: &rig.calibration, torque_late_ticks: rig.torque_late_ticks, knob_inertia };
+    let holding = Holding { gains, rig, knob_inertia };
     if holding.is_stable(rate_hz) {
         return Ok(());
     }

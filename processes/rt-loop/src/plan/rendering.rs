@@ -41,7 +41,7 @@ impl Rendering {
         if rig.calibration.motor_coulomb_mnm.is_none() {
             return Err(PlanError::Uncalibrated);
         }
-        let firmness = |rate_hz| gains_for(&rig.calibration, &rig.limits, rate_hz, rig.torque_late_ticks / rate_hz);
+        let firmness = |rate_hz| gains_for(&rig.calibration, &rig.limits, rate_hz, rig.late_ticks(rate_hz) / rate_hz);
         let rates = RENDERING_RATES_HZ.into_iter().filter(|other| *other <= rig.limits.rate_hz);
         let too_slow = || PlanError::TooSlow {
             asked: rate_hz,
