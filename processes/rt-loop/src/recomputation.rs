@@ -18,7 +18,7 @@ pub struct ControlDescription {
     pub planned_ticks: u64,
     /// What the rig must not exceed.
     pub limits: Limits,
-    /// Ticks after which a torque begins to act, as the compensation of cogging knew them; none in older runs.
+    /// Ticks after which a torque begins to act, as compensation of cogging and passivity guard knew them; none in older runs.
     #[serde(default)]
     pub torque_late_ticks: f64,
     /// Gains of the servo, which also brakes at a stop.
@@ -99,8 +99,9 @@ impl Recomputation {
         };
         let model = rendered(&first, &calibration)?;
         let too_slow = || NotRecomputable::Rate { rate_hz };
-        let renderer =
-            Renderer::new(model, render_gains, &calibration, limits.motor_torque_mnm, rate_hz).ok_or_else(too_slow)?;
+        let motor_mnm = limits.motor_torque_mnm;
+        let renderer = Renderer::new(model, render_gains, &calibration, motor_mnm, rate_hz, torque_late_ticks)
+            .ok_or_else(too_slow)?;
         let control = ControlState::new(plan, &calibration).ok_or_else(too_slow)?.with_renderer(renderer);
         Ok(Self { control, calibration, begun: false })
     }

@@ -75,8 +75,9 @@ impl Rendering {
             let admitted = admission.admit(&model)?;
             (model, admitted)
         };
-        let renderer = Renderer::new(rendered, gains, &rig.calibration, rig.limits.motor_torque_mnm, rate_hz)
-            .ok_or_else(too_slow)?;
+        let (motor_mnm, late_ticks) = (rig.limits.motor_torque_mnm, rig.late_ticks(rate_hz));
+        let renderer =
+            Renderer::new(rendered, gains, &rig.calibration, motor_mnm, rate_hz, late_ticks).ok_or_else(too_slow)?;
         let remarks = softer.iter().chain(&remarks).map(|remark| axis.words(remark).into_owned()).collect();
         Ok(Self { model, renderer, gains, remarks, admission, without_remarks: asked.without_remarks })
     }

@@ -65,7 +65,7 @@ impl HeldKnob {
         calibration.motor_cogging = Some(cogging.iter().map(known).collect());
         let cogging = CoggingCompensation::new(&calibration, rate_hz, 0.0);
         let rendered = RenderedModel::new(model, &calibration).unwrap();
-        let renderer = Renderer::new(Box::new(rendered), gains, &calibration, MOTOR_MNM, rate_hz).unwrap();
+        let renderer = Renderer::new(Box::new(rendered), gains, &calibration, MOTOR_MNM, rate_hz, 0.0).unwrap();
         Self { rig, renderer, rate_hz, cogging, tick: 0, previous_rad: None, work_of_hand: 0.0, torque_mnm: 0.0 }
     }
 

@@ -79,7 +79,8 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// A renderer at rest, for a motor of at most `motor_torque_mnm`; `None` when the rate is too low for its filters.
+    /// A renderer at rest, for a motor of at most `motor_torque_mnm` whose torque shows `late_ticks` later than on a rig that reads and
+    /// drives at the tick; `None` when the rate is too low for its filters.
     #[must_use]
     pub fn new(
         model: Box<RenderedModel>,
@@ -87,6 +88,7 @@ impl Renderer {
         calibration: &Calibration,
         motor_torque_mnm: f64,
         rate_hz: f64,
+        late_ticks: f64,
     ) -> Option<Self> {
         Some(Self {
             gains,
@@ -101,7 +103,7 @@ impl Renderer {
             given_way_rad: 0.0,
             hand_mnm: 0.0,
             spring_mnm: 0.0,
-            observer: PassivityObserver::new(gains.slack, gains.damping),
+            observer: PassivityObserver::new(gains.slack, gains.damping, late_ticks),
             previous_angle_rad: None,
         })
     }
