@@ -46,8 +46,8 @@ const WAIT_SHARE: f64 = 0.6;
 const ENABLE_CYCLES: u32 = 200;
 /// Cycles in which the drive is asked to let go of the motor, until it says that it has.
 const DISABLE_CYCLES: u32 = 3;
-/// Calls in the tick of a fault, which makes the most: the exchange, the question why a device left OP, letting go, and leaving the bus.
-const MOST_CALLS: u32 = 3 + DISABLE_CYCLES;
+/// Calls in the tick of a fault, which makes the most: the exchange, and the question why a device left OP.
+const MOST_CALLS: u32 = 2;
 /// Time that the drive may take to be switched on.
 const SWITCHING_ON: Duration = Duration::from_secs(15);
 

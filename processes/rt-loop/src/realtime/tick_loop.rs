@@ -181,16 +181,16 @@ impl TickLoop {
             watched.begin();
         }
         self.tick_until_quit();
-        if let Some(watched) = &self.watched {
-            watched.end();
-        }
         self.switch_off();
         Ok(())
     }
 
-    /// Switches the amplifier off, once.
+    /// Switches the amplifier off, once. The calls of that are not those of a tick.
     fn switch_off(&mut self) {
         if std::mem::take(&mut self.is_on) {
+            if let Some(watched) = &self.watched {
+                watched.end();
+            }
             self.apparatus.disable();
         }
     }
