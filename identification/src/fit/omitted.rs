@@ -1,5 +1,7 @@
 //! Estimates beside effects that many machines have and the fit leaves out.
 
+use std::ops::Range;
+
 use dynamics::effects::friction;
 use nalgebra::{DMatrix, DVector};
 
@@ -109,6 +111,7 @@ fn groups(trimmed: &Trimmed<'_>) -> Vec<Group> {
     // A torque measured over the angle already contains these effects.
     if trimmed.curves.is_none() {
         groups.extend(of_motion(trimmed));
+        groups.extend(friction_of_the_load(trimmed));
     }
     groups.extend(trimmed.delay.iter().map(|delay| Group {
         name: format!(
@@ -157,6 +160,26 @@ fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
     ]
 }
 
+/// Friction that grows with the load, the fitted torque without its friction: the model's Coulomb friction is then that without load.
+fn friction_of_the_load(trimmed: &Trimmed<'_>) -> Option<Group> {
+    let Trimmed { problem, columns, target, solution, .. } = trimmed;
+    let friction = friction_columns(problem)?;
+    let fitted = target.iter().zip(&solution.residual).map(|(torque, left)| torque - left);
+    let column = fitted.enumerate().map(|(row, fitted_mnm)| {
+        let of_friction = friction.clone().map(|place| solution.coefficients[place] * columns[place][row]);
+        let load_mnm = fitted_mnm - of_friction.sum::<f64>();
+        problem.motion.at(row * problem.row_filter.step).velocity_sign() * load_mnm.abs()
+    });
+    let columns = vec![Omitted { column: column.collect(), is_beyond_friction: false }];
+    Some(Group { name: "friction that grows with the load".to_owned(), columns })
+}
+
+/// The columns of the friction effect.
+fn friction_columns(problem: &Problem<'_>) -> Option<Range<usize>> {
+    let effect = problem.effects.iter().position(|effect| effect.kind().name == friction::KIND.name)?;
+    Some(problem.range(effect))
+}
+
 /// An omitted column beside those of the fit.
 pub(super) struct Beside {
     /// Residual of the omitted column after regression on the fit's columns.
@@ -171,9 +194,8 @@ impl Beside {
     /// `None` without a friction effect, and where its fitted columns are dependent.
     pub(super) fn of(omitted: &Omitted, Trimmed { problem, columns, solution, .. }: &Trimmed<'_>) -> Option<Self> {
         let Omitted { column, is_beyond_friction } = omitted;
-        let effect = problem.effects.iter().position(|effect| effect.kind().name == friction::KIND.name)?;
         let is_fitted = |index: &usize| solution.inverse[(*index, *index)] != 0.0;
-        let friction: Vec<usize> = problem.range(effect).filter(is_fitted).collect();
+        let friction: Vec<usize> = friction_columns(problem)?.filter(is_fitted).collect();
         let product = |row: usize, other: usize| dot(&columns[friction[row]], &columns[friction[other]]);
         let gram = DMatrix::from_fn(friction.len(), friction.len(), product).cholesky()?;
         let with_columns = DVector::from_iterator(columns.len(), columns.iter().map(|other| dot(other, column)));

@@ -79,6 +79,10 @@ fn eccentric_friction([_, angle, velocity, _]: [f64; 4]) -> f64 {
     0.4 * COULOMB_MNM * velocity.signum() * (angle + 0.7).cos()
 }
 
+fn friction_of_the_load([_, _, velocity, acceleration]: [f64; 4]) -> f64 {
+    0.15 * (INERTIA * acceleration).abs() * velocity.signum()
+}
+
 fn nothing(_: [f64; 4]) -> f64 {
     0.0
 }
@@ -95,13 +99,14 @@ fn holds(fit: &Fit, name: &str, truth: f64, widest: f64) -> bool {
 
 #[test]
 fn intervals_hold_the_inertia_whatever_the_model_lacks() {
-    let cases: [(&str, f64, Besides, &str); 7] = [
+    let cases: [(&str, f64, Besides, &str); 8] = [
         ("nothing", 0.0, nothing, ""),
         ("weight", 0.0, weight, "a weight or a spring"),
         ("spring", 0.0, spring, "a weight or a spring"),
         ("drifting friction", 0.0, drifting_friction, "friction that drifts"),
         ("rising friction", 0.0, rising_friction, "not linear in the speed"),
         ("eccentric friction", 0.0, eccentric_friction, "friction that differs over the angle"),
+        ("friction of the load", 0.0, friction_of_the_load, "grows with the load"),
         ("late torque", 3.0 / RATE_HZ, nothing, "ms after the motion"),
     ];
     for (name, late_s, besides, words) in cases {
@@ -121,13 +126,16 @@ fn intervals_hold_the_inertia_whatever_the_model_lacks() {
 }
 
 #[test]
-fn a_weight_keeps_the_friction_in_its_interval() {
-    let fits = (1..=CAPTURES).map(|seed| fitted(&captured(seed, SWEEP_HZ, 0.0, weight)));
-    let held = fits.filter(|fit| {
-        holds(fit, "coulomb_negative", COULOMB_MNM, 4.0) && holds(fit, "coulomb_positive", COULOMB_MNM, 4.0)
-    });
-    let held = held.count();
-    assert!(held >= 15, "{held} of {CAPTURES} hold both");
+fn a_weight_and_the_load_keep_the_friction_in_its_interval() {
+    let cases: [(&str, Besides); 2] = [("weight", weight), ("load", friction_of_the_load)];
+    for (name, besides) in cases {
+        let fits = (1..=CAPTURES).map(|seed| fitted(&captured(seed, SWEEP_HZ, 0.0, besides)));
+        let held = fits.filter(|fit| {
+            holds(fit, "coulomb_negative", COULOMB_MNM, 4.0) && holds(fit, "coulomb_positive", COULOMB_MNM, 4.0)
+        });
+        let held = held.count();
+        assert!(held >= 15, "{name}: {held} of {CAPTURES} hold both");
+    }
 }
 
 #[test]

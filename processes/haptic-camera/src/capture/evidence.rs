@@ -1,6 +1,6 @@
 //! The captures that a diagnosis rests on, and how further ones join them.
 
-use dynamics::effects;
+use dynamics::{Coordinate, effects};
 use identification::diagnosis::Diagnosis;
 use loaded_capture::LoadedCapture;
 
@@ -35,7 +35,6 @@ pub(super) fn diagnosed(
 
 /// Whether a name or a rival is an effect of the time since a capture began.
 fn depends_on_time(found: &Diagnosis) -> bool {
-    let of_time = [effects::friction_drift::KIND.name, effects::mains_hum::KIND.name];
     let names = found.steps.iter().flat_map(|step| step.ties.iter().chain([&step.effect]));
-    names.into_iter().any(|name| of_time.contains(name))
+    names.into_iter().filter_map(|name| effects::by_name(name)).any(|kind| kind.depends_on.contains(&Coordinate::Time))
 }
