@@ -34,6 +34,10 @@ pub struct Capture {
     pub missed_ticks: Option<Vec<u32>>,
     /// Bits of [`Sample::flags`] of each sample; `None` from a table.
     pub flags: Option<Vec<u32>>,
+    /// Why the loop stopped, at each sample, as [`Sample::fault`]; `None` from a table.
+    pub fault: Option<Vec<u32>>,
+    /// Bits of the rig's own code at each sample, [`Sample::device_code`]; `None` from a table.
+    pub device_code: Option<Vec<u32>>,
     /// Time since the start of the run, s: tick / rate and what the rig was late by, or as the table gives it.
     pub t_s: Vec<f64>,
     /// Encoder angle, rad.
@@ -55,6 +59,8 @@ pub struct Capture {
     /// Samples in the archive without a measurement of their own, since the sensors delivered no new data or failed; they are left
     /// out here.
     pub unmeasured_samples: u64,
+    /// Those samples, in the order of `seq`, for a copy of the archive.
+    pub unmeasured: Vec<Sample>,
     /// How the rig kept up with the ticks.
     pub rig: RigAccount,
     /// Samples that were taken and are not in the archive.
@@ -147,13 +153,12 @@ impl Capture {
         self.description.as_ref().is_some_and(RunDescription::is_rendered)
     }
 
-    /// The capture with the torque that the knob takes, whoever drives it. In a rendering, that is minus the sensor's reading, and the
-    /// commanded torque is removed, since it drives nothing; the calibration to use is the one seen from the hand.
+    /// The capture with the torque that the knob takes, whoever drives it. In a rendering, that is minus the sensor's reading; the
+    /// calibration to use is the one seen from the hand.
     #[must_use]
     pub fn of_knob(mut self) -> Self {
         if self.is_rendered() {
             self.torque_mnm.iter_mut().for_each(|torque_mnm| *torque_mnm = -*torque_mnm);
-            self.commanded_torque_mnm = None;
         }
         self
     }
@@ -261,11 +266,23 @@ impl Capture {
         for change in &self.models {
             writer.model(change)?;
         }
+        let mut unmeasured = self.unmeasured.iter().peekable();
         for row in 0..self.len() {
             if row > 0 && self.tick[row] <= self.tick[row - 1] {
                 return Err(ArchiveError::SharedTick { row: row + 1, rate_hz: self.rate_hz });
             }
+            while let Some(sample) = unmeasured.next_if(|sample| sample.seq < self.seq[row]) {
+                writer.sample(sample)?;
+            }
             writer.sample(&self.sample(row, &run))?;
+        }
+        for sample in unmeasured {
+            writer.sample(sample)?;
+        }
+        // No later sample shows those that are missing at the end.
+        let next = writer.ledger().next();
+        if let Some(gap) = self.gaps.last().filter(|gap| gap.first_missing_seq == next) {
+            writer.published(gap.last_missing_seq.saturating_add(1));
         }
         writer.finish()?;
         Ok(())
@@ -293,7 +310,8 @@ impl Capture {
         RunDescription { rate_hz: self.rate_hz, axis: self.axis, ..self.description.clone().unwrap_or_else(unknown) }
     }
 
-    fn sample(&self, row: usize, run: &RunDescription) -> Sample {
+    /// A row as a sample of the run.
+    pub(crate) fn sample(&self, row: usize, run: &RunDescription) -> Sample {
         let since_start_ns = (self.tick[row] as f64 * 1e9 / self.rate_hz).round() as u64;
         let monotonic_time_ns = run.clock.monotonic_time_ns.saturating_add(since_start_ns);
         let mut sample = Sample { monotonic_time_ns, ..Sample::default() };
