@@ -147,10 +147,10 @@ impl Capture {
         self.angle_rad.is_empty()
     }
 
-    /// Whether the rig rendered a model and a hand turned the gripper.
+    /// Whether the rig rendered a model and a hand turned the gripper. Where the run's description was lost, the models tell.
     #[must_use]
     pub fn is_rendered(&self) -> bool {
-        self.description.as_ref().is_some_and(RunDescription::is_rendered)
+        !self.models.is_empty() || self.description.as_ref().is_some_and(RunDescription::is_rendered)
     }
 
     /// The capture with the torque that the knob takes, whoever drives it. In a rendering, that is minus the sensor's reading; the

@@ -359,6 +359,15 @@ fn a_copy_keeps_what_was_not_measured_what_was_lost_and_the_fault() {
 }
 
 #[test]
+fn a_replay_whose_description_was_lost_is_known_by_its_models() {
+    let capture = Capture::from_columns(1e3, vec![0.0; 3], vec![1.0; 3]);
+    assert_eq!(capture.clone().of_knob().torque_mnm, [1.0; 3]);
+    let run = shared_types::RunDescription { rendered_model_toml: Some(String::new()), ..description() };
+    let replay = Capture { models: run.first_model().into_iter().collect(), ..capture };
+    assert_eq!(replay.of_knob().torque_mnm, [-1.0; 3]);
+}
+
+#[test]
 fn what_a_rig_left_unanswered_is_counted_by_its_reason_and_its_clocks_drift_reported() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("capture.mcap");
