@@ -94,8 +94,9 @@ impl Capture {
             let has_time = curve.t_s.is_some();
             return if has_time { curve.into_capture() } else { Err(ArchiveError::NoTime { path: path.to_owned() }) };
         }
-        refuse_too_large(path)?;
-        let capture = if is_mcap(path)? { mcap_file::load(path)? } else { csv_file::load(path)? };
+        let is_archive = is_mcap(path)?;
+        refuse_too_large(path, if is_archive { 0.0 } else { memory::OF_ROW })?;
+        let capture = if is_archive { mcap_file::load(path)? } else { csv_file::load(path)? };
         capture.validate()?;
         Ok(capture)
     }
@@ -342,15 +343,27 @@ fn media_type(name: &str) -> &'static str {
     }
 }
 
-/// Refuses a file for which the machine has not enough memory.
-pub(crate) fn refuse_too_large(path: &Path) -> Result<(), ArchiveError> {
+/// Bytes at a table's beginning that show how long its rows are.
+const ROWS_SHOWN: usize = 64 << 10;
+
+/// Refuses a file for which the machine has not enough memory; each row of a table takes `of_row` bytes beside its length.
+pub(crate) fn refuse_too_large(path: &Path, of_row: f64) -> Result<(), ArchiveError> {
     let length = std::fs::metadata(path).map_err(|error| ArchiveError::file(path, error))?.len() as f64;
+    let head = first_bytes(path, ROWS_SHOWN)?;
+    let needed = memory_for(length, &head, of_row);
     match memory::available() {
-        Some(available) if length * memory::OF_FILE > available => {
-            Err(ArchiveError::TooLarge { path: path.to_owned(), length, available })
+        Some(available) if needed > available => {
+            Err(ArchiveError::TooLarge { path: path.to_owned(), length, needed, available })
         }
         _ => Ok(()),
     }
+}
+
+/// Bytes of memory for a file of that length that begins like this.
+fn memory_for(length: f64, head: &[u8], of_row: f64) -> f64 {
+    let lines = head.iter().filter(|byte| **byte == b'\n').count() as f64;
+    let rows = length * lines / (head.len() as f64).max(1.0);
+    length * memory::OF_FILE + rows * of_row
 }
 
 /// Whether a file is an MCAP archive, by its content; otherwise it is text.
@@ -383,4 +396,17 @@ pub(crate) fn first_bytes(path: &Path, count: usize) -> Result<Vec<u8>, ArchiveE
         .and_then(|file| file.take(count as u64).read_to_end(&mut bytes))
         .map_err(|error| ArchiveError::file(path, error))?;
     Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{memory, memory_for};
+
+    #[test]
+    fn short_rows_need_more_memory_for_each_byte_than_long_ones() {
+        let of = |row: &str| memory_for(1e9, row.repeat(100).as_bytes(), memory::OF_FOREIGN_ROW) / 1e9;
+        assert!(of("1,2,3\n") > 50.0 && of("0.0012,0.234567,-12.3456\n") > 14.0);
+        assert!(of(&format!("{}\n", "0.123456789,".repeat(50))) < 5.0);
+        assert_eq!(memory_for(1e9, b"", memory::OF_ROW), 4e9);
+    }
 }
