@@ -173,6 +173,21 @@ fn a_table_of_none_of_these_says_which_columns_it_has_and_what_to_do() {
 }
 
 #[test]
+fn thousands_are_refused_and_neither_read_as_decimals_nor_passed_over() {
+    let choice = ColumnChoice::new("travel=x,force=F".parse().unwrap(), Default::default()).unwrap();
+    let refusal = |text: &str| read("switch.csv", text, Some(&choice)).unwrap_err();
+    let german = table("x;F\n", |n| if n < 10.0 { format!("{n},5;{n}") } else { format!("{n},5;1.{n}0") });
+    assert!(refusal(&german).contains("line 12: `1.100` in the column F may have decimals or thousands; write"));
+    let both = table("x;F\n", |n| format!("{n},5;1.0{n:02},5"));
+    assert!(refusal(&both).contains("line 2: `1.000,5` in the column F is not a number; write it with a point, and"));
+    // The last rows are no lines below the table.
+    let quoted = table("x,F\n", |n| format!("{n},{}", if n < 15.0 { n.to_string() } else { format!("\"1,0{n}\"") }));
+    assert!(refusal(&quoted).contains("line 17: `1,015` in the column F is not a number; write it with a point"));
+    let numbers = table("x;F\n", |n| format!("{n},5;1,0{n:02}"));
+    assert_eq!(read("switch.csv", &numbers, Some(&choice)).unwrap().load[19], 1.019);
+}
+
+#[test]
 fn every_measured_force_curve_is_read() {
     let Some(sets) = measured_data::folder("force-curves") else { return };
     let sets = std::fs::read_dir(sets).unwrap();

@@ -99,7 +99,7 @@ impl RawTable {
     fn first_row(&self, records: &[csv::StringRecord]) -> usize {
         let places = |record: &csv::StringRecord| -> Vec<bool> {
             let filled = (0..record.len()).rev().find(|at| !record[*at].is_empty()).map_or(0, |last| last + 1);
-            record.iter().take(filled).map(|cell| self.number(cell).is_some()).collect()
+            record.iter().take(filled).map(|cell| self.is_meant_as_number(cell)).collect()
         };
         let mut kinds: BTreeMap<Vec<bool>, usize> = BTreeMap::new();
         for record in records.iter().take(LOOKED_AT).filter(|record| self.numbers(record) > 1) {
@@ -116,9 +116,14 @@ impl RawTable {
         first - records[..first].iter().rev().take_while(|record| self.numbers(record) > 1 && is_row(record)).count()
     }
 
-    /// How many cells are numbers.
+    /// How many cells are numbers, or are meant so: a row is not passed over because its numbers are refused.
     fn numbers(&self, record: &csv::StringRecord) -> usize {
-        record.iter().filter(|cell| self.number(cell).is_some()).count()
+        record.iter().filter(|cell| self.is_meant_as_number(cell)).count()
+    }
+
+    fn is_meant_as_number(&self, cell: &str) -> bool {
+        let is_quoted = || self.separator == b',' && cell.contains(',') && cell.replace(',', "").parse::<f64>().is_ok();
+        self.number(cell).is_some() || foreign_files::has_thousands(cell) || is_quoted()
     }
 
     /// A number as the table writes it; `None` for what is none.
@@ -128,7 +133,22 @@ impl RawTable {
 
     /// The numbers of a column, each times `factor`.
     pub(super) fn column(&self, index: usize, factor: f64) -> Result<Vec<f64>, String> {
-        self.cells(index, |cell| self.number(cell).map(|value| value * factor), "a number")
+        let column = self.cells(index, |cell| self.number(cell).map(|value| value * factor), "a number")?;
+        if self.separator != b',' {
+            let mut marks = foreign_files::Marks::default();
+            for record in &self.rows {
+                marks.note(record.get(index).unwrap_or_default(), line_of(record));
+            }
+            if let Some((line, reason)) = marks.doubt(&self.name(index)) {
+                return Err(format!("line {line}: {reason}"));
+            }
+        }
+        Ok(column)
+    }
+
+    /// The name of a column, or else its number.
+    fn name(&self, index: usize) -> String {
+        self.header.get(index).cloned().unwrap_or_else(|| (index + 1).to_string())
     }
 
     /// The cells of a column, each as `parse` takes it.
@@ -142,9 +162,13 @@ impl RawTable {
             let text = record.get(index).unwrap_or_default();
             parse(text).ok_or_else(|| {
                 let shown: String = text.chars().take(QUOTED.1).collect();
-                let name = self.header.get(index).cloned().unwrap_or_else(|| (index + 1).to_string());
-                let line = record.position().map_or(0, csv::Position::line);
-                format!("line {line}: `{shown}` in the column {name} is not {what}; correct it, or leave the line out")
+                let (name, line) = (self.name(index), line_of(record));
+                let remedy = if text.contains(',') || foreign_files::has_thousands(text) {
+                    "write it with a point, and without separators of thousands"
+                } else {
+                    "correct it, or leave the line out"
+                };
+                format!("line {line}: `{shown}` in the column {name} is not {what}; {remedy}")
             })
         };
         self.rows.iter().map(cell).collect()
@@ -189,7 +213,8 @@ fn separator(text: &str) -> u8 {
             let cells = line.split(if separator == BLANKS { '\t' } else { char::from(separator) });
             let cells = cells.map(|cell| cell.trim().trim_matches('"')).filter(|cell| !cell.is_empty());
             let (of_line, all) = cells.fold((0, 0), |(numbers, all), cell| {
-                let is_number = foreign_files::with_point(cell, separator).parse::<f64>().is_ok_and(f64::is_finite);
+                let is_number = foreign_files::with_point(cell, separator).parse::<f64>().is_ok_and(f64::is_finite)
+                    || foreign_files::has_thousands(cell);
                 (numbers + usize::from(is_number), all + 1)
             });
             if of_line > 1 {
@@ -202,6 +227,10 @@ fn separator(text: &str) -> u8 {
     let fits = [BLANKS, b',', b'\t', b';'].map(|separator| (numbers_and_others(separator), separator));
     let best = fits.into_iter().max_by_key(|(fit, _)| *fit).filter(|((numbers, _), _)| *numbers > 0);
     best.map_or(b',', |(_, separator)| separator)
+}
+
+fn line_of(record: &csv::StringRecord) -> u64 {
+    record.position().map_or(0, csv::Position::line)
 }
 
 /// A line with tabulators in place of blanks.
