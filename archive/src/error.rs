@@ -147,8 +147,8 @@ pub enum ArchiveError {
     },
     /// Time does not increase.
     #[error(
-        "{}, row {row}: t_s = {time_s} s comes after {previous_s} s; time must increase from row to row: sort the rows, and write \
-         times with more digits where they are rounded",
+        "{}, row {row}: t_s = {time_s} s comes after {previous_s} s; time must increase from row to row: sort the rows, leave \
+         repeated ones out, and write times with more digits where they are rounded",
         path.display()
     )]
     Unordered {

@@ -90,7 +90,10 @@ impl Layout {
 /// A sentence about the first row that lies before the one above it.
 pub(super) fn refuse_falling(t_s: Option<&[f64]>) -> Result<(), String> {
     match t_s.and_then(|t_s| t_s.windows(2).position(|pair| pair[1] < pair[0])) {
-        Some(row) => Err(format!("row {}: its time is before that of the row above", row + 2)),
+        Some(row) => Err(format!(
+            "row {}: its time is before that of the row above; sort the rows, or cut the file where its clock began anew",
+            row + 2
+        )),
         None => Ok(()),
     }
 }
