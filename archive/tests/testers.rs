@@ -188,6 +188,21 @@ fn thousands_are_refused_and_neither_read_as_decimals_nor_passed_over() {
 }
 
 #[test]
+fn commas_for_both_decimals_and_cells_and_first_rows_without_values_are_refused_by_their_line() {
+    let choice = ColumnChoice::new("travel=x,force=F".parse().unwrap(), Default::default()).unwrap();
+    let refusal = |text: &str| read("switch.csv", text, Some(&choice)).unwrap_err();
+    let parted = refusal(&table("t,x,F\n", |n| format!("0,{n},1,{n},2,5")));
+    assert_eq!(parted, "FILE: line 2: it has more cells than the header; write numbers with a point, as in 1.5");
+    for missing in ["NaN", "NA", ""] {
+        let text =
+            table("t,x,F\n", |n| format!("{n},{n}.5,{}", if n < 2.0 { missing.to_owned() } else { n.to_string() }));
+        let expected =
+            format!("line 2: `{missing}` in the column F is not a number; correct it, or leave the line out");
+        assert!(refusal(&text).contains(&expected), "{}", refusal(&text));
+    }
+}
+
+#[test]
 fn every_measured_force_curve_is_read() {
     let Some(sets) = measured_data::folder("force-curves") else { return };
     let sets = std::fs::read_dir(sets).unwrap();

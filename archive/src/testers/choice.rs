@@ -205,7 +205,7 @@ impl ColumnChoice {
 /// The factor from the unit in a column's name to the instrument's unit; 1 if the name has no unit. Names are also written in capitals.
 ///
 /// # Errors
-/// [`ChoiceError::UnitInName`] if the text in brackets at its end is no unit of the quantity, or its last word has two meanings.
+/// [`ChoiceError::UnitInName`] if the text in brackets at its end is no unit of the quantity, or its last word is one of unknown size.
 fn unit_in(name: &str, quantity: Quantity) -> Result<f64, ChoiceError> {
     let unknown = || ChoiceError::UnitInName { name: name.to_owned(), quantity: quantity.name(), own: quantity.unit() };
     let named = |unit: &str| quantity.factor_in_any_case(unit.trim());
@@ -218,12 +218,12 @@ fn unit_in(name: &str, quantity: Quantity) -> Result<f64, ChoiceError> {
     // A table may have its units in a row of their own, which is then the header.
     let word = name.rsplit_once(['_', ' ', '/', ',']).map_or(name, |(_, unit)| unit.trim());
     let is_unknown =
-        in_brackets().any(|(_, behind)| behind.is_empty()) || TWO_MEANINGS.contains(&word.to_lowercase().as_str());
+        in_brackets().any(|(_, behind)| behind.is_empty()) || NO_KNOWN_UNITS.contains(&word.to_lowercase().as_str());
     if is_unknown { Err(unknown()) } else { Ok(named(word).unwrap_or(1.0)) }
 }
 
-/// Degrees in German, and gradians, 400 of them in a turn, elsewhere.
-const TWO_MEANINGS: [&str; 1] = ["grad"];
+/// Words for units whose size a name does not tell: degrees in German are gradians, 400 of them in a turn, elsewhere.
+const NO_KNOWN_UNITS: [&str; 9] = ["grad", "count", "counts", "tick", "ticks", "step", "steps", "volt", "volts"];
 
 /// The factor from a unit to the instrument's unit of the quantity.
 ///
@@ -254,13 +254,17 @@ mod tests {
             (Quantity::Torque, "Moment (Nm), gefiltert", 1e3),
             (Quantity::Torque, "TORQUE_MNM", 1.0),
             (Quantity::Time, "time_msec", 1e-3),
+            (Quantity::Time, "t_μs", 1e-6),
+            (Quantity::Time, "Time (Milliseconds)", 1e-3),
+            (Quantity::Time, "timestamp_nanoseconds", 1e-9),
+            (Quantity::Angle, "angle_radians", 1.0),
             (Quantity::Travel, "Signal In", 1.0),
             (Quantity::Travel, "travel (in)", 25.4),
         ];
         for (quantity, name, factor) in names {
             assert_eq!(unit_in(name, quantity), Ok(factor), "{name}");
         }
-        for name in ["Winkel_Grad", "Angle [Grad]", "Angle [counts]"] {
+        for name in ["Winkel_Grad", "Angle [Grad]", "Angle [counts]", "encoder_counts"] {
             assert!(unit_in(name, Quantity::Angle).is_err(), "{name}");
         }
     }

@@ -55,6 +55,11 @@ impl Layout {
     /// # Errors
     /// A sentence about the cell that is no number, or the time that does not rise.
     pub(super) fn read(&self, table: &RawTable) -> Result<Curve, String> {
+        if let Some(line) = table.parted_row() {
+            return Err(format!(
+                "line {line}: it has more cells than the header; write numbers with a point, as in 1.5"
+            ));
+        }
         let of = |source: Source| table.column(source.column, source.factor);
         let t_s = match self.time {
             Time::None => None,

@@ -109,8 +109,10 @@ impl RawTable {
         let first = records.iter().position(|record| places(record) == typical).unwrap_or(records.len());
         let is_row = |record: &&csv::StringRecord| {
             let places = places(record);
-            let has_fewer =
-                places.len() == typical.len() && places.iter().zip(&typical).all(|(here, usual)| here <= usual);
+            // The last cells may be the empty ones.
+            let has_fewer = places.len() <= typical.len()
+                && record.len() >= typical.len()
+                && places.iter().zip(&typical).all(|(here, usual)| here <= usual);
             has_fewer || places.len() >= typical.len() && typical.iter().zip(&places).all(|(usual, here)| usual <= here)
         };
         first - records[..first].iter().rev().take_while(|record| self.numbers(record) > 1 && is_row(record)).count()
@@ -122,8 +124,11 @@ impl RawTable {
     }
 
     fn is_meant_as_number(&self, cell: &str) -> bool {
+        // NaN among them.
+        let is_missing =
+            || cell.parse::<f64>().is_ok() || ["NA", "N/A"].iter().any(|word| cell.eq_ignore_ascii_case(word));
         let is_quoted = || self.separator == b',' && cell.contains(',') && cell.replace(',', "").parse::<f64>().is_ok();
-        self.number(cell).is_some() || foreign_files::has_thousands(cell) || is_quoted()
+        self.number(cell).is_some() || foreign_files::has_thousands(cell) || is_missing() || is_quoted()
     }
 
     /// A number as the table writes it; `None` for what is none.
@@ -172,6 +177,16 @@ impl RawTable {
             })
         };
         self.rows.iter().map(cell).collect()
+    }
+
+    /// The line of a row whose numbers decimal commas part into more cells than the header has.
+    pub(super) fn parted_row(&self) -> Option<u64> {
+        let are_digits = |cell: &str| cell.trim_start_matches('-').bytes().all(|byte| byte.is_ascii_digit());
+        let is_parted = |record: &&csv::StringRecord| {
+            record.iter().skip(self.header.len()).any(|cell| !cell.is_empty()) && record.iter().all(are_digits)
+        };
+        let is_open = self.separator == b',' && !self.header.is_empty();
+        self.rows.iter().find(is_parted).filter(|_| is_open).map(line_of)
     }
 
     /// Place of a column by its name, whatever its case; `None` also where several have it.
