@@ -137,7 +137,7 @@ fn a_table_is_read_as_spreadsheets_and_scripts_write_it() {
     let error = read("bench.txt", &text, Some(&choice("angle=Winkel,torque=M"))).unwrap_err();
     assert!(error.contains("has no column `Winkel`"), "{error}");
     // As `numpy.savetxt` writes it.
-    for header in ["", "# t angle torque\n"] {
+    for header in ["", "# t angle torque\n", "% t angle torque\n"] {
         let text = table(header, |n| format!("{:.18e} {n:.18e} {:.18e}", 1e-3 * n, 2.0 * n));
         assert_eq!(read("bench.txt", &text, Some(&numbered)).unwrap().load[3], 6.0);
     }

@@ -169,7 +169,9 @@ fn places<const N: usize>(
     let complete = wanted.iter().zip(&places).all(|(column, place)| place.is_some() || !column.required);
     let count = |column: &Column| names.iter().filter(|name| name.eq_ignore_ascii_case(column.name)).count();
     let unique = wanted.iter().all(|column| count(column) <= 1);
-    let foreign = names.len() > places.iter().flatten().count();
+    // A column without a name, as pandas writes its index, means nothing.
+    let named = names.iter().filter(|name| !name.is_empty()).count();
+    let foreign = named > places.iter().flatten().count();
     if complete && unique && (others == OtherColumns::Ignored || !foreign) {
         return Ok(places);
     }

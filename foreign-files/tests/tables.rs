@@ -19,6 +19,7 @@ fn what_spreadsheets_and_people_add_is_passed_over() {
         "t_s,angle_rad\n0,2.5\n1,-3e-1\n",
         "\u{feff}t_s,angle_rad\r\n0,2.5\r\n1,-3e-1",
         "angle_rad,t_s\n2.5,0\n-3e-1,1\n",
+        ",t_s,angle_rad\n0,0,2.5\n1,1,-3e-1\n",
         "\"t_s\",\"angle_rad\"\n\"0\",\"2.5\"\n 1 , -3e-1 \n",
         "# drawn by hand\nt_s,angle_rad\n\n0,2.5\n# half way\n\n1,-3e-1\n\n",
         "t_s,angle_rad,\n0,2.5,\n1,-3e-1,,\n",

@@ -12,6 +12,7 @@ mod formats;
 mod json;
 mod layout;
 mod mdf;
+mod separator;
 mod table;
 
 use std::path::{Path, PathBuf};

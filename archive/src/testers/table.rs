@@ -1,22 +1,17 @@
 //! A table as text: what stands above its columns, their names, and its rows.
 
 use std::borrow::Cow;
-use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::Path;
 
 use shared_types::Quantity;
 
+use super::separator::{BLANKS, LOOKED_AT, separator, with_tabulators};
 use crate::error::ArchiveError;
 
 /// Most columns, and letters of each, that an error quotes.
 const QUOTED: (usize, usize) = (20, 40);
-
-/// Stands for blanks, however many, between cells.
-const BLANKS: u8 = b' ';
-/// Lines at a table's beginning that show how it is written.
-const LOOKED_AT: usize = 1000;
 
 /// The cells of a table.
 #[derive(Debug, Default)]
@@ -57,7 +52,7 @@ impl RawTable {
         let (mut records, mut comments) = (Vec::new(), Vec::new());
         for record in reader.records() {
             let record = record?;
-            if record[0].starts_with('#') {
+            if is_comment(&record, separator) {
                 comments.push((records.len(), record));
             } else if record.iter().any(|cell| !cell.is_empty()) {
                 records.push(record);
@@ -217,40 +212,8 @@ impl RawTable {
     }
 }
 
-/// What stands between the cells of a table: that with which the lines have the most numbers, and the fewest other cells beside them. Lines above
-/// the rows, which hold next to no numbers, do not decide.
-fn separator(text: &str) -> u8 {
-    let lines = text.lines().filter(|line| !line.starts_with('#')).take(LOOKED_AT);
-    let numbers_and_others = |separator: u8| {
-        let (mut numbers, mut others) = (0, 0);
-        for line in lines.clone() {
-            let line = if separator == BLANKS { Cow::Owned(with_tabulators(line)) } else { Cow::Borrowed(line) };
-            let cells = line.split(if separator == BLANKS { '\t' } else { char::from(separator) });
-            let cells = cells.map(|cell| cell.trim().trim_matches('"')).filter(|cell| !cell.is_empty());
-            let (of_line, all) = cells.fold((0, 0), |(numbers, all), cell| {
-                let is_number = foreign_files::with_point(cell, separator).parse::<f64>().is_ok_and(f64::is_finite)
-                    || foreign_files::has_thousands(cell);
-                (numbers + usize::from(is_number), all + 1)
-            });
-            if of_line > 1 {
-                (numbers, others) = (numbers + of_line, others + all - of_line);
-            }
-        }
-        (numbers, Reverse(others))
-    };
-    // Of equals the last: a comma beside tabulators or semicolons is a decimal comma.
-    let fits = [BLANKS, b',', b'\t', b';'].map(|separator| (numbers_and_others(separator), separator));
-    let best = fits.into_iter().max_by_key(|(fit, _)| *fit).filter(|((numbers, _), _)| *numbers > 0);
-    best.map_or(b',', |(_, separator)| separator)
-}
-
 fn line_of(record: &csv::StringRecord) -> u64 {
     record.position().map_or(0, csv::Position::line)
-}
-
-/// A line with tabulators in place of blanks.
-fn with_tabulators(line: &str) -> String {
-    line.split_whitespace().collect::<Vec<_>>().join("\t") + "\n"
 }
 
 /// A unit without the brackets around it.
@@ -269,11 +232,18 @@ fn are_units(record: &csv::StringRecord) -> bool {
     record.iter().filter(is_known).count() > 1 && record.iter().all(|cell| cell.chars().count() <= LONGEST_UNIT)
 }
 
+/// Whether a line is a comment; a percent sign may also be a unit.
+fn is_comment(record: &csv::StringRecord, separator: u8) -> bool {
+    let first = &record[0];
+    let may_be = first.len() > 1 || separator == BLANKS;
+    first.starts_with('#') || first.starts_with('%') && may_be && !are_units(record)
+}
+
 /// A comment's cells without its mark.
 fn uncommented(record: &csv::StringRecord) -> csv::StringRecord {
     let cells = record
         .iter()
         .enumerate()
-        .map(|(index, cell)| if index == 0 { cell.trim_start_matches('#').trim() } else { cell });
+        .map(|(index, cell)| if index == 0 { cell.trim_start_matches(['#', '%']).trim() } else { cell });
     cells.enumerate().filter(|(index, cell)| *index > 0 || !cell.is_empty()).map(|(_, cell)| cell).collect()
 }
