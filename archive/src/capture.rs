@@ -34,6 +34,10 @@ pub struct Capture {
     pub missed_ticks: Option<Vec<u32>>,
     /// Bits of [`Sample::flags`] of each sample; `None` from a table.
     pub flags: Option<Vec<u32>>,
+    /// Why the loop stopped, at each sample, as [`Sample::fault`]; `None` from a table.
+    pub fault: Option<Vec<u32>>,
+    /// Bits of the rig's own code at each sample, [`Sample::device_code`]; `None` from a table.
+    pub device_code: Option<Vec<u32>>,
     /// Time since the start of the run, s: tick / rate and what the rig was late by, or as the table gives it.
     pub t_s: Vec<f64>,
     /// Encoder angle, rad.
@@ -55,6 +59,8 @@ pub struct Capture {
     /// Samples in the archive without a measurement of their own, since the sensors delivered no new data or failed; they are left
     /// out here.
     pub unmeasured_samples: u64,
+    /// Those samples, in the order of `seq`, for a copy of the archive.
+    pub unmeasured: Vec<Sample>,
     /// How the rig kept up with the ticks.
     pub rig: RigAccount,
     /// Samples that were taken and are not in the archive.
@@ -88,8 +94,9 @@ impl Capture {
             let has_time = curve.t_s.is_some();
             return if has_time { curve.into_capture() } else { Err(ArchiveError::NoTime { path: path.to_owned() }) };
         }
-        refuse_too_large(path)?;
-        let capture = if is_mcap(path)? { mcap_file::load(path)? } else { csv_file::load(path)? };
+        let is_archive = is_mcap(path)?;
+        refuse_too_large(path, if is_archive { 0.0 } else { memory::OF_ROW })?;
+        let capture = if is_archive { mcap_file::load(path)? } else { csv_file::load(path)? };
         capture.validate()?;
         Ok(capture)
     }
@@ -141,19 +148,18 @@ impl Capture {
         self.angle_rad.is_empty()
     }
 
-    /// Whether the rig rendered a model and a hand turned the gripper.
+    /// Whether the rig rendered a model and a hand turned the gripper. Where the run's description was lost, the models tell.
     #[must_use]
     pub fn is_rendered(&self) -> bool {
-        self.description.as_ref().is_some_and(RunDescription::is_rendered)
+        !self.models.is_empty() || self.description.as_ref().is_some_and(RunDescription::is_rendered)
     }
 
-    /// The capture with the torque that the knob takes, whoever drives it. In a rendering, that is minus the sensor's reading, and the
-    /// commanded torque is removed, since it drives nothing; the calibration to use is the one seen from the hand.
+    /// The capture with the torque that the knob takes, whoever drives it. In a rendering, that is minus the sensor's reading; the
+    /// calibration to use is the one seen from the hand.
     #[must_use]
     pub fn of_knob(mut self) -> Self {
         if self.is_rendered() {
             self.torque_mnm.iter_mut().for_each(|torque_mnm| *torque_mnm = -*torque_mnm);
-            self.commanded_torque_mnm = None;
         }
         self
     }
@@ -261,11 +267,23 @@ impl Capture {
         for change in &self.models {
             writer.model(change)?;
         }
+        let mut unmeasured = self.unmeasured.iter().peekable();
         for row in 0..self.len() {
             if row > 0 && self.tick[row] <= self.tick[row - 1] {
                 return Err(ArchiveError::SharedTick { row: row + 1, rate_hz: self.rate_hz });
             }
+            while let Some(sample) = unmeasured.next_if(|sample| sample.seq < self.seq[row]) {
+                writer.sample(sample)?;
+            }
             writer.sample(&self.sample(row, &run))?;
+        }
+        for sample in unmeasured {
+            writer.sample(sample)?;
+        }
+        // No later sample shows those that are missing at the end.
+        let next = writer.ledger().next();
+        if let Some(gap) = self.gaps.last().filter(|gap| gap.first_missing_seq == next) {
+            writer.published(gap.last_missing_seq.saturating_add(1));
         }
         writer.finish()?;
         Ok(())
@@ -293,7 +311,8 @@ impl Capture {
         RunDescription { rate_hz: self.rate_hz, axis: self.axis, ..self.description.clone().unwrap_or_else(unknown) }
     }
 
-    fn sample(&self, row: usize, run: &RunDescription) -> Sample {
+    /// A row as a sample of the run.
+    pub(crate) fn sample(&self, row: usize, run: &RunDescription) -> Sample {
         let since_start_ns = (self.tick[row] as f64 * 1e9 / self.rate_hz).round() as u64;
         let monotonic_time_ns = run.clock.monotonic_time_ns.saturating_add(since_start_ns);
         let mut sample = Sample { monotonic_time_ns, ..Sample::default() };
@@ -324,15 +343,27 @@ fn media_type(name: &str) -> &'static str {
     }
 }
 
-/// Refuses a file for which the machine has not enough memory.
-pub(crate) fn refuse_too_large(path: &Path) -> Result<(), ArchiveError> {
+/// Bytes at a table's beginning that show how long its rows are.
+const ROWS_SHOWN: usize = 64 << 10;
+
+/// Refuses a file for which the machine has not enough memory; each row of a table takes `of_row` bytes beside its length.
+pub(crate) fn refuse_too_large(path: &Path, of_row: f64) -> Result<(), ArchiveError> {
     let length = std::fs::metadata(path).map_err(|error| ArchiveError::file(path, error))?.len() as f64;
+    let head = first_bytes(path, ROWS_SHOWN)?;
+    let needed = memory_for(length, &head, of_row);
     match memory::available() {
-        Some(available) if length * memory::OF_FILE > available => {
-            Err(ArchiveError::TooLarge { path: path.to_owned(), length, available })
+        Some(available) if needed > available => {
+            Err(ArchiveError::TooLarge { path: path.to_owned(), length, needed, available })
         }
         _ => Ok(()),
     }
+}
+
+/// Bytes of memory for a file of that length that begins like this.
+fn memory_for(length: f64, head: &[u8], of_row: f64) -> f64 {
+    let lines = head.iter().filter(|byte| **byte == b'\n').count() as f64;
+    let rows = length * lines / (head.len() as f64).max(1.0);
+    length * memory::OF_FILE + rows * of_row
 }
 
 /// Whether a file is an MCAP archive, by its content; otherwise it is text.
@@ -365,4 +396,17 @@ pub(crate) fn first_bytes(path: &Path, count: usize) -> Result<Vec<u8>, ArchiveE
         .and_then(|file| file.take(count as u64).read_to_end(&mut bytes))
         .map_err(|error| ArchiveError::file(path, error))?;
     Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{memory, memory_for};
+
+    #[test]
+    fn short_rows_need_more_memory_for_each_byte_than_long_ones() {
+        let of = |row: &str| memory_for(1e9, row.repeat(100).as_bytes(), memory::OF_FOREIGN_ROW) / 1e9;
+        assert!(of("1,2,3\n") > 50.0 && of("0.0012,0.234567,-12.3456\n") > 14.0);
+        assert!(of(&format!("{}\n", "0.123456789,".repeat(50))) < 5.0);
+        assert_eq!(memory_for(1e9, b"", memory::OF_ROW), 4e9);
+    }
 }

@@ -97,6 +97,8 @@ static OTHER: [Column; 6] = [
     column!(missed_ticks, Codes, or 0),
     column!(flags, Codes, or 0),
 ];
+/// What samples have and exports do not: it is kept for a copy of the archive.
+static OF_ARCHIVES: [Column; 2] = [column!(fault, Codes, or 0), column!(device_code, Codes, or 0)];
 
 impl Column {
     /// Its name in files about that axis.
@@ -114,7 +116,7 @@ fn all() -> impl Iterator<Item = &'static Column> {
 
 /// The columns that are fields of a sample.
 pub(crate) fn of_samples() -> impl Iterator<Item = &'static Column> {
-    all().filter(|column| column.fill.is_some())
+    all().filter(|column| column.fill.is_some()).chain(&OF_ARCHIVES)
 }
 
 /// The columns that a capture has, with their names.
@@ -185,15 +187,6 @@ impl Values<'_> {
             Self::Counts(values) => keep(values.to_mut(), kept),
             Self::Reals(values) => keep(values.to_mut(), kept),
             Self::Codes(values) => keep(values.to_mut(), kept),
-        }
-    }
-
-    /// Takes the last value away.
-    pub(crate) fn pop(&mut self) {
-        match self {
-            Self::Counts(values) => drop(values.to_mut().pop()),
-            Self::Reals(values) => drop(values.to_mut().pop()),
-            Self::Codes(values) => drop(values.to_mut().pop()),
         }
     }
 }

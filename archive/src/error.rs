@@ -4,8 +4,6 @@ use std::path::PathBuf;
 
 use foreign_files::TableError;
 
-use crate::memory::OF_FILE;
-
 /// Why a capture could not be read, written, merged or recovered.
 #[derive(Debug, thiserror::Error)]
 pub enum ArchiveError {
@@ -149,8 +147,8 @@ pub enum ArchiveError {
     },
     /// Time does not increase.
     #[error(
-        "{}, row {row}: t_s = {time_s} s comes after {previous_s} s; time must increase from row to row: sort the rows, and write \
-         times with more digits where they are rounded",
+        "{}, row {row}: t_s = {time_s} s comes after {previous_s} s; time must increase from row to row: sort the rows, leave \
+         repeated ones out, and write times with more digits where they are rounded",
         path.display()
     )]
     Unordered {
@@ -175,14 +173,15 @@ pub enum ArchiveError {
     #[error(
         "{} has {:.1} GB and needs {:.1} GB of memory, of which {:.1} GB are free; use a machine with more, or \
          capture for at most {:.0} % of that time",
-        path.display(), length / 1e9, length * OF_FILE / 1e9, available / 1e9,
-        (100.0 * available / (length * OF_FILE)).floor()
+        path.display(), length / 1e9, needed / 1e9, available / 1e9, (100.0 * available / needed).floor()
     )]
     TooLarge {
         /// The file.
         path: PathBuf,
         /// Its length, bytes.
         length: f64,
+        /// Memory that it takes, bytes.
+        needed: f64,
         /// Memory that is free, bytes.
         available: f64,
     },

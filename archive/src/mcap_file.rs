@@ -256,6 +256,10 @@ impl Rows {
     /// failed is left out: it shows the fault and has no measurement. So are those without new data from the sensors,
     /// which repeat an earlier one.
     fn store_into(mut self, capture: &mut Capture) {
+        let mut kept = vec![true; self.named("seq").map_or(0, Values::len)];
+        if let Some(Values::Codes(flags)) = self.named("flags") {
+            kept.iter_mut().zip(flags.iter()).for_each(|(kept, flags)| *kept = flags & Sample::STALE == 0);
+        }
         let last = |name| self.named(name)?.last();
         let at_fault = last("state") == Some(f64::from(LoopState::Fault.code()));
         // A channel that the rig lacks has no value at all.
@@ -263,23 +267,35 @@ impl Rows {
             |name| self.named(name).is_none_or(|values| !values.has_any() || values.last().is_none_or(f64::is_finite));
         if at_fault
             && !["angle_rad", "torque_mnm", "acceleration_rad_s2", "measured_after_s"].into_iter().all(is_measured)
+            && let Some(last) = kept.last_mut()
         {
-            self.0.iter_mut().for_each(Values::pop);
-            capture.unmeasured_samples += 1;
+            *last = false;
         }
-        if let Some(Values::Codes(flags)) = self.named("flags") {
-            let kept: Vec<bool> = flags.iter().map(|flags| flags & Sample::STALE == 0).collect();
-            let stale = kept.iter().filter(|kept| !**kept).count() as u64;
-            if stale > 0 {
-                capture.unmeasured_samples += stale;
-                self.0.iter_mut().for_each(|values| values.keep(&kept));
-            }
+        if kept.contains(&false) {
+            capture.unmeasured = self.left_out(&kept, capture);
+            capture.unmeasured_samples = capture.unmeasured.len() as u64;
+            self.0.iter_mut().for_each(|values| values.keep(&kept));
         }
         for (column, values) in columns::of_samples().zip(self.0) {
             if column.required || values.has_any() {
                 (column.store)(capture, values);
             }
         }
+    }
+
+    /// The samples that are not kept.
+    fn left_out(&self, kept: &[bool], of: &Capture) -> Vec<Sample> {
+        let out: Vec<bool> = kept.iter().map(|kept| !kept).collect();
+        let mut left = Capture { rate_hz: of.rate_hz, ..Capture::default() };
+        for (column, values) in columns::of_samples().zip(&self.0) {
+            let mut values = values.clone();
+            values.keep(&out);
+            if column.required || values.has_any() {
+                (column.store)(&mut left, values);
+            }
+        }
+        let run = of.description_or_default();
+        (0..left.len()).map(|row| left.sample(row, &run)).collect()
     }
 
     fn named(&self, name: &str) -> Option<&Values<'static>> {

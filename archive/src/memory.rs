@@ -3,6 +3,10 @@
 /// Bytes of memory that reading and fitting a capture takes for each byte of its file: measured, 3.5 for an archive and 3 for
 /// a table.
 pub const OF_FILE: f64 = 4.0;
+/// Bytes that each row of a table takes besides, as its numbers, however few letters these have.
+pub(crate) const OF_ROW: f64 = 64.0;
+/// The same where the cells are kept as text until it is known what they are: a record with its two allocations.
+pub(crate) const OF_FOREIGN_ROW: f64 = 300.0;
 
 /// Memory that the machine can still give, bytes (`MemAvailable` of proc(5)); `None` where it does not say.
 #[must_use]

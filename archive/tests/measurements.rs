@@ -178,6 +178,20 @@ fn channels_are_known_by_name_or_unit_or_are_chosen() {
 }
 
 #[test]
+fn readings_that_were_not_timed_are_a_curve() {
+    let folder = tempfile::tempdir().unwrap();
+    let [_, angle, torque] = columns(300);
+    let mut file = Mf4Writer::new();
+    let group = file.add_group(&[0.0; 300]).unwrap();
+    group.add_channel("Angle", "rad", &angle).unwrap();
+    group.add_channel("Torque", "Nm", &torque).unwrap();
+    let curve = load(folder.path(), &file, None).unwrap();
+    assert_eq!((curve.t_s, curve.is_of_motion, curve.position), (None, false, angle));
+    let error = Capture::load(&folder.path().join("bench.mf4")).unwrap_err().to_string();
+    assert!(error.contains("has no time, so it is a curve"), "{error}");
+}
+
+#[test]
 fn an_ambiguous_channel_is_refused_with_a_list_of_the_channels() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |file: &Mf4Writer, choice: Option<&ColumnChoice>| load(folder.path(), file, choice).unwrap_err();

@@ -327,6 +327,47 @@ fn samples_are_dated_by_when_they_were_read_and_those_that_repeat_an_earlier_one
 }
 
 #[test]
+fn a_copy_keeps_what_was_not_measured_what_was_lost_and_the_fault() {
+    use shared_types::{LoopState, Sample};
+    let directory = tempdir().unwrap();
+    let [path, copy] = ["capture.mcap", "copy.mcap"].map(|name| directory.path().join(name));
+    let run = shared_types::RunDescription { rendered_model_toml: Some(String::new()), ..description() };
+    let mut file = std::io::Cursor::new(Vec::new());
+    let mut writer = archive::CaptureWriter::new(&mut file, &run).unwrap();
+    for seq in [0, 1, 2, 3, 4, 5, 8, 9] {
+        let (flags, device_code) = if seq == 4 { (Sample::STALE, 7) } else { (0, 0) };
+        writer.sample(&Sample { flags, device_code, ..sample(seq) }).unwrap();
+    }
+    let state = LoopState::Fault.code();
+    let failed = Sample { torque_mnm: f64::NAN, state, fault: 5, device_code: 9, flags: 0, ..sample(10) };
+    writer.sample(&failed).unwrap();
+    writer.published(13);
+    writer.finish().unwrap();
+    std::fs::write(&path, file.into_inner()).unwrap();
+    let capture = Capture::load(&path).unwrap();
+    assert_eq!((capture.seq.len(), capture.unmeasured_samples, capture.lost_samples()), (7, 2, 4));
+    // As every program loads it, and as it is saved.
+    capture.clone().of_knob().of_knob().write_mcap(&copy).unwrap();
+    let again = Capture::load(&copy).unwrap();
+    assert_eq!((&again.seq, &again.gaps), (&capture.seq, &capture.gaps));
+    assert_eq!(again.commanded_torque_mnm, capture.commanded_torque_mnm);
+    assert_eq!(again.lost_samples(), 4);
+    assert_eq!(again.rig.stale_samples, [(7, 1)].into());
+    let [before, after] = [&capture, &again].map(|one| one.unmeasured.iter().map(|s| (s.seq, s.fault, s.device_code)));
+    assert!(before.clone().eq([(4, 0, 7), (10, 5, 9)]) && after.eq(before));
+    assert!(archive::Overview::read(&copy).unwrap().fault);
+}
+
+#[test]
+fn a_replay_whose_description_was_lost_is_known_by_its_models() {
+    let capture = Capture::from_columns(1e3, vec![0.0; 3], vec![1.0; 3]);
+    assert_eq!(capture.clone().of_knob().torque_mnm, [1.0; 3]);
+    let run = shared_types::RunDescription { rendered_model_toml: Some(String::new()), ..description() };
+    let replay = Capture { models: run.first_model().into_iter().collect(), ..capture };
+    assert_eq!(replay.of_knob().torque_mnm, [-1.0; 3]);
+}
+
+#[test]
 fn what_a_rig_left_unanswered_is_counted_by_its_reason_and_its_clocks_drift_reported() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("capture.mcap");

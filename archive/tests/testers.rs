@@ -137,7 +137,7 @@ fn a_table_is_read_as_spreadsheets_and_scripts_write_it() {
     let error = read("bench.txt", &text, Some(&choice("angle=Winkel,torque=M"))).unwrap_err();
     assert!(error.contains("has no column `Winkel`"), "{error}");
     // As `numpy.savetxt` writes it.
-    for header in ["", "# t angle torque\n"] {
+    for header in ["", "# t angle torque\n", "% t angle torque\n"] {
         let text = table(header, |n| format!("{:.18e} {n:.18e} {:.18e}", 1e-3 * n, 2.0 * n));
         assert_eq!(read("bench.txt", &text, Some(&numbered)).unwrap().load[3], 6.0);
     }
@@ -170,6 +170,36 @@ fn a_table_of_none_of_these_says_which_columns_it_has_and_what_to_do() {
     );
     assert!(read("key.json", "{\"down_x\": [1]", None).unwrap_err().contains("down_x, down_y, up_x and up_y"));
     assert!(read("words.txt", "some words\nand more\n", None).unwrap_err().contains("no columns of numbers"));
+}
+
+#[test]
+fn thousands_are_refused_and_neither_read_as_decimals_nor_passed_over() {
+    let choice = ColumnChoice::new("travel=x,force=F".parse().unwrap(), Default::default()).unwrap();
+    let refusal = |text: &str| read("switch.csv", text, Some(&choice)).unwrap_err();
+    let german = table("x;F\n", |n| if n < 10.0 { format!("{n},5;{n}") } else { format!("{n},5;1.{n}0") });
+    assert!(refusal(&german).contains("line 12: `1.100` in the column F may have decimals or thousands; write"));
+    let both = table("x;F\n", |n| format!("{n},5;1.0{n:02},5"));
+    assert!(refusal(&both).contains("line 2: `1.000,5` in the column F is not a number; write it with a point, and"));
+    // The last rows are no lines below the table.
+    let quoted = table("x,F\n", |n| format!("{n},{}", if n < 15.0 { n.to_string() } else { format!("\"1,0{n}\"") }));
+    assert!(refusal(&quoted).contains("line 17: `1,015` in the column F is not a number; write it with a point"));
+    let numbers = table("x;F\n", |n| format!("{n},5;1,0{n:02}"));
+    assert_eq!(read("switch.csv", &numbers, Some(&choice)).unwrap().load[19], 1.019);
+}
+
+#[test]
+fn commas_for_both_decimals_and_cells_and_first_rows_without_values_are_refused_by_their_line() {
+    let choice = ColumnChoice::new("travel=x,force=F".parse().unwrap(), Default::default()).unwrap();
+    let refusal = |text: &str| read("switch.csv", text, Some(&choice)).unwrap_err();
+    let parted = refusal(&table("t,x,F\n", |n| format!("0,{n},1,{n},2,5")));
+    assert_eq!(parted, "FILE: line 2: it has more cells than the header; write numbers with a point, as in 1.5");
+    for missing in ["NaN", "NA", ""] {
+        let text =
+            table("t,x,F\n", |n| format!("{n},{n}.5,{}", if n < 2.0 { missing.to_owned() } else { n.to_string() }));
+        let expected =
+            format!("line 2: `{missing}` in the column F is not a number; correct it, or leave the line out");
+        assert!(refusal(&text).contains(&expected), "{}", refusal(&text));
+    }
 }
 
 #[test]

@@ -216,8 +216,27 @@ impl Quantity {
     }
 
     fn factor_as(self, unit: &str, is_same: impl Fn(&str, &str) -> bool) -> Option<f64> {
-        let plain = |unit: &str| unit.replace([' ', '·', '⋅', '*', '-', '.'], "");
-        let unit = plain(unit);
+        // Greek mu looks like the sign for micro.
+        let plain = |unit: &str| unit.replace([' ', '·', '⋅', '*', '-', '.'], "").replace('μ', "µ");
+        let unit = plain(spelled_out(unit).unwrap_or(unit));
         self.units().iter().find(|(name, _)| is_same(&plain(name), &unit)).map(|(_, factor)| *factor)
     }
+}
+
+/// The sign of a unit that is spelled out, as programs name columns: `time_seconds`.
+fn spelled_out(unit: &str) -> Option<&'static str> {
+    let name = unit.trim().to_lowercase();
+    Some(match name.strip_suffix('s').unwrap_or(&name) {
+        "second" => "s",
+        "millisecond" | "milli" => "ms",
+        "microsecond" | "micro" => "us",
+        "nanosecond" | "nano" => "ns",
+        "minute" => "min",
+        "radian" => "rad",
+        "revolution" => "rev",
+        "newton" => "N",
+        "newtonmeter" | "newtonmetre" => "Nm",
+        "millimeter" | "millimetre" => "mm",
+        _ => return None,
+    })
 }

@@ -129,8 +129,15 @@ pub struct ParameterKind {
     pub minimum: Minimum,
 }
 
-/// A unit as it follows a number in a sentence: not at all where it is 1.
-pub(crate) fn spaced_unit(unit: &str) -> String {
+/// A unit as people are told it: nothing where it is 1.
+#[must_use]
+pub fn printed_unit(unit: &str) -> &str {
+    if unit == "1" { "" } else { unit }
+}
+
+/// A unit as it follows a number in a sentence.
+#[must_use]
+pub fn spaced_unit(unit: &str) -> String {
     if unit == "1" { String::new() } else { format!(" {unit}") }
 }
 

@@ -53,9 +53,9 @@ pub use calibration::{Calibration, CalibrationError, CoggingHarmonic};
 pub use composition::{Composition, CompositionError, CompositionNote, Parts, Source, composition_notes};
 pub use coupling::Coupling;
 pub use effect::Effect;
-pub(crate) use effect_kind::spaced_unit;
 pub use effect_kind::{
     Coordinate, Direction, EffectKind, MAX_PARAMETERS, Minimum, ParameterKind, Part, Regressors, StickLimits, TableUse,
+    printed_unit, spaced_unit,
 };
 pub use excitation::{Drive, Excitation, Setpoint};
 pub use hypothesis::{Hypothesis, RangeEnd, Scene, Search};

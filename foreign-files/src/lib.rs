@@ -5,9 +5,11 @@
 //! each command refuses the same things in the same words.
 
 mod file;
+mod marks;
 mod table;
 mod text;
 
 pub use file::{open, read_text};
+pub use marks::{Marks, has_thousands};
 pub use table::{Column, Labelled, OtherColumns, TableError, preamble, read_columns, read_labelled, with_point};
 pub use text::{decoded, one_line, visible};

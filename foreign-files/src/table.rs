@@ -3,10 +3,12 @@
 //! A table has a line of column names, and below it one row of numbers a line; what stands above that line is passed over. Columns may stand in any order, and their names
 //! be written in capitals. A byte order mark, Windows line ends, quotation marks, blanks around cells, empty lines, lines that begin
 //! with `#` (but for a header written so) and separators at the ends of lines are passed over. Commas, semicolons or tabulators separate cells. Numbers are finite and
-//! written with a point, beside semicolons or tabulators also with a comma.
+//! written with a point, beside semicolons or tabulators also with a comma; a column is refused whose marks may part thousands.
 
 use std::borrow::Cow;
 use std::io::{BufRead, BufReader, Read};
+
+use crate::marks::{Marks, has_thousands};
 
 /// Characters of somebody else's text that an error quotes.
 const QUOTED: usize = 200;
@@ -128,6 +130,7 @@ pub fn read_labelled<const N: usize, const M: usize>(
     let mut columns = places.map(|place| place.map(|_| Vec::new()));
     let label_places = labels.map(|label| names.iter().position(|name| name.eq_ignore_ascii_case(label)));
     let mut label_columns = [const { Vec::new() }; M];
+    let mut marks = [const { None::<Marks> }; N];
     let mut record = csv::StringRecord::new();
     while table.read_record(&mut record).map_err(from_csv)? {
         let line = record.position().map_or(0, csv::Position::line) + lines_above;
@@ -135,14 +138,23 @@ pub fn read_labelled<const N: usize, const M: usize>(
         if record.len() < names.len() || record.iter().skip(names.len()).any(|cell| !cell.is_empty()) {
             return Err(wrong(wrong_length(record.len(), names.len())));
         }
-        for ((place, column), Column { name, .. }) in places.iter().zip(&mut columns).zip(&wanted) {
+        for (((place, column), Column { name, .. }), marks) in
+            places.iter().zip(&mut columns).zip(&wanted).zip(&mut marks)
+        {
             if let (Some(place), Some(column)) = (place, column) {
                 column.push(number(&record[*place], separator, name).map_err(wrong)?);
+                if separator != b',' {
+                    marks.get_or_insert_default().note(&record[*place], line);
+                }
             }
         }
         for (place, column) in label_places.iter().zip(&mut label_columns) {
             column.extend(place.map(|place| record[place].to_owned()));
         }
+    }
+    let doubt = |(marks, column): (&Option<Marks>, &Column)| marks.as_ref()?.doubt(column.name);
+    if let Some((line, reason)) = marks.iter().zip(&wanted).find_map(doubt) {
+        return Err(TableError::Line { line, reason });
     }
     Ok((columns, label_columns))
 }
@@ -157,7 +169,9 @@ fn places<const N: usize>(
     let complete = wanted.iter().zip(&places).all(|(column, place)| place.is_some() || !column.required);
     let count = |column: &Column| names.iter().filter(|name| name.eq_ignore_ascii_case(column.name)).count();
     let unique = wanted.iter().all(|column| count(column) <= 1);
-    let foreign = names.len() > places.iter().flatten().count();
+    // A column without a name, as pandas writes its index, means nothing.
+    let named = names.iter().filter(|name| !name.is_empty()).count();
+    let foreign = named > places.iter().flatten().count();
     if complete && unique && (others == OtherColumns::Ignored || !foreign) {
         return Ok(places);
     }
@@ -228,8 +242,11 @@ fn number(cell: &str, separator: u8, column: &str) -> Result<f64, String> {
             Err(format!("the column {column} has no value; fill it in, or leave the line out"))
         }
         Err(_) => {
-            let hint =
-                if cell.contains(',') { "; write it with a point" } else { "; correct it, or leave the line out" };
+            let hint = if cell.contains(',') || has_thousands(cell) {
+                "; write it with a point, and without separators of thousands"
+            } else {
+                "; correct it, or leave the line out"
+            };
             Err(format!("`{}` in the column {column} is not a number{hint}", quoted(cell)))
         }
     }

@@ -19,6 +19,7 @@ fn what_spreadsheets_and_people_add_is_passed_over() {
         "t_s,angle_rad\n0,2.5\n1,-3e-1\n",
         "\u{feff}t_s,angle_rad\r\n0,2.5\r\n1,-3e-1",
         "angle_rad,t_s\n2.5,0\n-3e-1,1\n",
+        ",t_s,angle_rad\n0,0,2.5\n1,1,-3e-1\n",
         "\"t_s\",\"angle_rad\"\n\"0\",\"2.5\"\n 1 , -3e-1 \n",
         "# drawn by hand\nt_s,angle_rad\n\n0,2.5\n# half way\n\n1,-3e-1\n\n",
         "t_s,angle_rad,\n0,2.5,\n1,-3e-1,,\n",
@@ -50,6 +51,14 @@ fn a_wrong_table_is_reported_with_its_line() {
         (
             "t_s;angle_rad\n0;2.000,5\n",
             "line 2: `2.000,5` in the column angle_rad is not a number; write it with a point",
+        ),
+        (
+            "t_s;angle_rad\n0;999\n1;1,000\n",
+            "line 3: `1,000` in the column angle_rad may have decimals or thousands; write",
+        ),
+        (
+            "t_s\tangle_rad\n0\t0,5\n1\t1.500\n",
+            "line 3: `1.500` in the column angle_rad may have decimals or thousands",
         ),
         ("t_s,angle_rad\n0,1\n0,2,5\n", "line 3: it has 3 cells, but the header has 2; write numbers with a point"),
         ("t_s,angle_rad\n0\n", "line 2: it has 1 cells, but the header has 2"),

@@ -19,18 +19,18 @@ impl LoadedCapture {
             let start = t_s.last().map_or(first, |last| last + PAUSE_S);
             t_s.extend(one.capture.t_s.iter().map(|time| time - first + start));
         }
-        let all = |column: fn(&Capture) -> Option<&Vec<f64>>| -> Option<Vec<f64>> {
-            let columns: Option<Vec<&Vec<f64>>> = captures.iter().map(|one| column(&one.capture)).collect();
-            Some(columns?.into_iter().flatten().copied().collect())
+        let all = |column: fn(&Self) -> Option<&[f64]>| -> Option<Vec<f64>> {
+            let columns: Option<Vec<&[f64]>> = captures.iter().map(|one| column(one)).collect();
+            Some(columns?.concat())
         };
         let capture = Capture {
             axis: captures[0].capture.axis,
             t_s,
-            angle_rad: all(|one| Some(&one.angle_rad)).unwrap_or_default(),
-            velocity_rad_s: all(|one| one.velocity_rad_s.as_ref()),
-            acceleration_rad_s2: all(|one| one.acceleration_rad_s2.as_ref()),
-            torque_mnm: all(|one| Some(&one.torque_mnm)).unwrap_or_default(),
-            commanded_torque_mnm: all(|one| one.commanded_torque_mnm.as_ref()),
+            angle_rad: all(|one| Some(one.capture.angle_rad.as_slice())).unwrap_or_default(),
+            velocity_rad_s: all(|one| one.capture.velocity_rad_s.as_deref()),
+            acceleration_rad_s2: all(|one| one.capture.acceleration_rad_s2.as_deref()),
+            torque_mnm: all(|one| Some(one.capture.torque_mnm.as_slice())).unwrap_or_default(),
+            commanded_torque_mnm: all(Self::commanded_torque_mnm),
             ..Capture::default()
         };
         Self { capture, calibration: captures[0].calibration.clone(), ..Self::default() }

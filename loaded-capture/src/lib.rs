@@ -209,10 +209,11 @@ impl LoadedCapture {
         capture.write_mcap_to(output)
     }
 
-    /// Torque commanded from the motor, mNm; `None` for a table or a simulation without it.
+    /// Torque commanded from the motor, mNm; `None` for a table or a simulation without it, and for a rendering, in which it does not
+    /// drive the knob.
     #[must_use]
     pub fn commanded_torque_mnm(&self) -> Option<&[f64]> {
-        self.capture.commanded_torque_mnm.as_deref()
+        self.capture.commanded_torque_mnm.as_deref().filter(|_| !self.capture.is_rendered())
     }
 }
 

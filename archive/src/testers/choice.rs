@@ -205,7 +205,7 @@ impl ColumnChoice {
 /// The factor from the unit in a column's name to the instrument's unit; 1 if the name has no unit. Names are also written in capitals.
 ///
 /// # Errors
-/// [`ChoiceError::UnitInName`] if the text in brackets at its end is no unit of the quantity, or its last word has two meanings.
+/// [`ChoiceError::UnitInName`] if the text in brackets at its end is no unit of the quantity, or its last word is one of unknown size.
 fn unit_in(name: &str, quantity: Quantity) -> Result<f64, ChoiceError> {
     let unknown = || ChoiceError::UnitInName { name: name.to_owned(), quantity: quantity.name(), own: quantity.unit() };
     let named = |unit: &str| quantity.factor_in_any_case(unit.trim());
@@ -217,13 +217,21 @@ fn unit_in(name: &str, quantity: Quantity) -> Result<f64, ChoiceError> {
     }
     // A table may have its units in a row of their own, which is then the header.
     let word = name.rsplit_once(['_', ' ', '/', ',']).map_or(name, |(_, unit)| unit.trim());
-    let is_unknown =
-        in_brackets().any(|(_, behind)| behind.is_empty()) || TWO_MEANINGS.contains(&word.to_lowercase().as_str());
-    if is_unknown { Err(unknown()) } else { Ok(named(word).unwrap_or(1.0)) }
+    let words = [word, last_capitalised(word)];
+    let is_unknown = in_brackets().any(|(_, behind)| behind.is_empty())
+        || words.iter().any(|word| NO_KNOWN_UNITS.contains(&word.to_lowercase().as_str()));
+    if is_unknown { Err(unknown()) } else { Ok(words.into_iter().find_map(named).unwrap_or(1.0)) }
 }
 
-/// Degrees in German, and gradians, 400 of them in a turn, elsewhere.
-const TWO_MEANINGS: [&str; 1] = ["grad"];
+/// The end of a name such as `angleDeg` from its last capital behind a small letter on.
+fn last_capitalised(name: &str) -> &str {
+    let is_start = |((_, letter), before): &((usize, char), char)| letter.is_uppercase() && before.is_lowercase();
+    let start = name.char_indices().skip(1).zip(name.chars()).filter(is_start).last();
+    start.map_or(name, |((at, _), _)| &name[at..])
+}
+
+/// Words for units whose size a name does not tell: degrees in German are gradians, 400 of them in a turn, elsewhere.
+const NO_KNOWN_UNITS: [&str; 9] = ["grad", "count", "counts", "tick", "ticks", "step", "steps", "volt", "volts"];
 
 /// The factor from a unit to the instrument's unit of the quantity.
 ///
@@ -254,13 +262,21 @@ mod tests {
             (Quantity::Torque, "Moment (Nm), gefiltert", 1e3),
             (Quantity::Torque, "TORQUE_MNM", 1.0),
             (Quantity::Time, "time_msec", 1e-3),
+            (Quantity::Time, "t_μs", 1e-6),
+            (Quantity::Time, "Time (Milliseconds)", 1e-3),
+            (Quantity::Time, "timestamp_nanoseconds", 1e-9),
+            (Quantity::Angle, "angle_radians", 1.0),
+            (Quantity::Angle, "jointAngleDeg", degree),
+            (Quantity::Torque, "motorTorqueMNm", 1.0),
+            (Quantity::Torque, "torqueNm", 1e3),
+            (Quantity::Angle, "motorPosition", 1.0),
             (Quantity::Travel, "Signal In", 1.0),
             (Quantity::Travel, "travel (in)", 25.4),
         ];
         for (quantity, name, factor) in names {
             assert_eq!(unit_in(name, quantity), Ok(factor), "{name}");
         }
-        for name in ["Winkel_Grad", "Angle [Grad]", "Angle [counts]"] {
+        for name in ["Winkel_Grad", "Angle [Grad]", "Angle [counts]", "encoder_counts", "encoderCounts"] {
             assert!(unit_in(name, Quantity::Angle).is_err(), "{name}");
         }
     }

@@ -55,6 +55,11 @@ impl Layout {
     /// # Errors
     /// A sentence about the cell that is no number, or the time that does not rise.
     pub(super) fn read(&self, table: &RawTable) -> Result<Curve, String> {
+        if let Some(line) = table.parted_row() {
+            return Err(format!(
+                "line {line}: it has more cells than the header; write numbers with a point, as in 1.5"
+            ));
+        }
         let of = |source: Source| table.column(source.column, source.factor);
         let t_s = match self.time {
             Time::None => None,
@@ -90,7 +95,10 @@ impl Layout {
 /// A sentence about the first row that lies before the one above it.
 pub(super) fn refuse_falling(t_s: Option<&[f64]>) -> Result<(), String> {
     match t_s.and_then(|t_s| t_s.windows(2).position(|pair| pair[1] < pair[0])) {
-        Some(row) => Err(format!("row {}: its time is before that of the row above", row + 2)),
+        Some(row) => Err(format!(
+            "row {}: its time is before that of the row above; sort the rows, or cut the file where its clock began anew",
+            row + 2
+        )),
         None => Ok(()),
     }
 }

@@ -12,6 +12,7 @@ mod formats;
 mod json;
 mod layout;
 mod mdf;
+mod separator;
 mod table;
 
 use std::path::{Path, PathBuf};
@@ -23,6 +24,7 @@ pub(crate) use mdf::is_mdf;
 
 use crate::capture::{Capture, is_mcap, refuse_too_large};
 use crate::error::ArchiveError;
+use crate::memory;
 use table::RawTable;
 
 /// Fewest rows that make a curve.
@@ -71,7 +73,7 @@ impl Curve {
     /// # Errors
     /// [`ArchiveError`]: one sentence, which says what columns the file has if it is none of the known ones.
     pub fn load(path: &Path, chosen: Option<&ColumnChoice>) -> Result<Self, ArchiveError> {
-        refuse_too_large(path)?;
+        refuse_too_large(path, if is_mdf(path)? { 0.0 } else { memory::OF_FOREIGN_ROW })?;
         if is_mcap(path)? {
             return Err(wrong(path, "it is an MCAP archive, whose columns have fixed names".to_owned()));
         }

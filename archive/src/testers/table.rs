@@ -1,22 +1,17 @@
 //! A table as text: what stands above its columns, their names, and its rows.
 
 use std::borrow::Cow;
-use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::Path;
 
 use shared_types::Quantity;
 
+use super::separator::{BLANKS, LOOKED_AT, separator, with_tabulators};
 use crate::error::ArchiveError;
 
 /// Most columns, and letters of each, that an error quotes.
 const QUOTED: (usize, usize) = (20, 40);
-
-/// Stands for blanks, however many, between cells.
-const BLANKS: u8 = b' ';
-/// Lines at a table's beginning that show how it is written.
-const LOOKED_AT: usize = 1000;
 
 /// The cells of a table.
 #[derive(Debug, Default)]
@@ -57,7 +52,7 @@ impl RawTable {
         let (mut records, mut comments) = (Vec::new(), Vec::new());
         for record in reader.records() {
             let record = record?;
-            if record[0].starts_with('#') {
+            if is_comment(&record, separator) {
                 comments.push((records.len(), record));
             } else if record.iter().any(|cell| !cell.is_empty()) {
                 records.push(record);
@@ -99,7 +94,7 @@ impl RawTable {
     fn first_row(&self, records: &[csv::StringRecord]) -> usize {
         let places = |record: &csv::StringRecord| -> Vec<bool> {
             let filled = (0..record.len()).rev().find(|at| !record[*at].is_empty()).map_or(0, |last| last + 1);
-            record.iter().take(filled).map(|cell| self.number(cell).is_some()).collect()
+            record.iter().take(filled).map(|cell| self.is_meant_as_number(cell)).collect()
         };
         let mut kinds: BTreeMap<Vec<bool>, usize> = BTreeMap::new();
         for record in records.iter().take(LOOKED_AT).filter(|record| self.numbers(record) > 1) {
@@ -109,16 +104,26 @@ impl RawTable {
         let first = records.iter().position(|record| places(record) == typical).unwrap_or(records.len());
         let is_row = |record: &&csv::StringRecord| {
             let places = places(record);
-            let has_fewer =
-                places.len() == typical.len() && places.iter().zip(&typical).all(|(here, usual)| here <= usual);
+            // The last cells may be the empty ones.
+            let has_fewer = places.len() <= typical.len()
+                && record.len() >= typical.len()
+                && places.iter().zip(&typical).all(|(here, usual)| here <= usual);
             has_fewer || places.len() >= typical.len() && typical.iter().zip(&places).all(|(usual, here)| usual <= here)
         };
         first - records[..first].iter().rev().take_while(|record| self.numbers(record) > 1 && is_row(record)).count()
     }
 
-    /// How many cells are numbers.
+    /// How many cells are numbers, or are meant so: a row is not passed over because its numbers are refused.
     fn numbers(&self, record: &csv::StringRecord) -> usize {
-        record.iter().filter(|cell| self.number(cell).is_some()).count()
+        record.iter().filter(|cell| self.is_meant_as_number(cell)).count()
+    }
+
+    fn is_meant_as_number(&self, cell: &str) -> bool {
+        // NaN among them.
+        let is_missing =
+            || cell.parse::<f64>().is_ok() || ["NA", "N/A"].iter().any(|word| cell.eq_ignore_ascii_case(word));
+        let is_quoted = || self.separator == b',' && cell.contains(',') && cell.replace(',', "").parse::<f64>().is_ok();
+        self.number(cell).is_some() || foreign_files::has_thousands(cell) || is_missing() || is_quoted()
     }
 
     /// A number as the table writes it; `None` for what is none.
@@ -128,7 +133,22 @@ impl RawTable {
 
     /// The numbers of a column, each times `factor`.
     pub(super) fn column(&self, index: usize, factor: f64) -> Result<Vec<f64>, String> {
-        self.cells(index, |cell| self.number(cell).map(|value| value * factor), "a number")
+        let column = self.cells(index, |cell| self.number(cell).map(|value| value * factor), "a number")?;
+        if self.separator != b',' {
+            let mut marks = foreign_files::Marks::default();
+            for record in &self.rows {
+                marks.note(record.get(index).unwrap_or_default(), line_of(record));
+            }
+            if let Some((line, reason)) = marks.doubt(&self.name(index)) {
+                return Err(format!("line {line}: {reason}"));
+            }
+        }
+        Ok(column)
+    }
+
+    /// The name of a column, or else its number.
+    fn name(&self, index: usize) -> String {
+        self.header.get(index).cloned().unwrap_or_else(|| (index + 1).to_string())
     }
 
     /// The cells of a column, each as `parse` takes it.
@@ -142,12 +162,26 @@ impl RawTable {
             let text = record.get(index).unwrap_or_default();
             parse(text).ok_or_else(|| {
                 let shown: String = text.chars().take(QUOTED.1).collect();
-                let name = self.header.get(index).cloned().unwrap_or_else(|| (index + 1).to_string());
-                let line = record.position().map_or(0, csv::Position::line);
-                format!("line {line}: `{shown}` in the column {name} is not {what}; correct it, or leave the line out")
+                let (name, line) = (self.name(index), line_of(record));
+                let remedy = if text.contains(',') || foreign_files::has_thousands(text) {
+                    "write it with a point, and without separators of thousands"
+                } else {
+                    "correct it, or leave the line out"
+                };
+                format!("line {line}: `{shown}` in the column {name} is not {what}; {remedy}")
             })
         };
         self.rows.iter().map(cell).collect()
+    }
+
+    /// The line of a row whose numbers decimal commas part into more cells than the header has.
+    pub(super) fn parted_row(&self) -> Option<u64> {
+        let are_digits = |cell: &str| cell.trim_start_matches('-').bytes().all(|byte| byte.is_ascii_digit());
+        let is_parted = |record: &&csv::StringRecord| {
+            record.iter().skip(self.header.len()).any(|cell| !cell.is_empty()) && record.iter().all(are_digits)
+        };
+        let is_open = self.separator == b',' && !self.header.is_empty();
+        self.rows.iter().find(is_parted).filter(|_| is_open).map(line_of)
     }
 
     /// Place of a column by its name, whatever its case; `None` also where several have it.
@@ -178,35 +212,8 @@ impl RawTable {
     }
 }
 
-/// What stands between the cells of a table: that with which the lines have the most numbers, and the fewest other cells beside them. Lines above
-/// the rows, which hold next to no numbers, do not decide.
-fn separator(text: &str) -> u8 {
-    let lines = text.lines().filter(|line| !line.starts_with('#')).take(LOOKED_AT);
-    let numbers_and_others = |separator: u8| {
-        let (mut numbers, mut others) = (0, 0);
-        for line in lines.clone() {
-            let line = if separator == BLANKS { Cow::Owned(with_tabulators(line)) } else { Cow::Borrowed(line) };
-            let cells = line.split(if separator == BLANKS { '\t' } else { char::from(separator) });
-            let cells = cells.map(|cell| cell.trim().trim_matches('"')).filter(|cell| !cell.is_empty());
-            let (of_line, all) = cells.fold((0, 0), |(numbers, all), cell| {
-                let is_number = foreign_files::with_point(cell, separator).parse::<f64>().is_ok_and(f64::is_finite);
-                (numbers + usize::from(is_number), all + 1)
-            });
-            if of_line > 1 {
-                (numbers, others) = (numbers + of_line, others + all - of_line);
-            }
-        }
-        (numbers, Reverse(others))
-    };
-    // Of equals the last: a comma beside tabulators or semicolons is a decimal comma.
-    let fits = [BLANKS, b',', b'\t', b';'].map(|separator| (numbers_and_others(separator), separator));
-    let best = fits.into_iter().max_by_key(|(fit, _)| *fit).filter(|((numbers, _), _)| *numbers > 0);
-    best.map_or(b',', |(_, separator)| separator)
-}
-
-/// A line with tabulators in place of blanks.
-fn with_tabulators(line: &str) -> String {
-    line.split_whitespace().collect::<Vec<_>>().join("\t") + "\n"
+fn line_of(record: &csv::StringRecord) -> u64 {
+    record.position().map_or(0, csv::Position::line)
 }
 
 /// A unit without the brackets around it.
@@ -225,11 +232,18 @@ fn are_units(record: &csv::StringRecord) -> bool {
     record.iter().filter(is_known).count() > 1 && record.iter().all(|cell| cell.chars().count() <= LONGEST_UNIT)
 }
 
+/// Whether a line is a comment; a percent sign may also be a unit.
+fn is_comment(record: &csv::StringRecord, separator: u8) -> bool {
+    let first = &record[0];
+    let may_be = first.len() > 1 || separator == BLANKS;
+    first.starts_with('#') || first.starts_with('%') && may_be && !are_units(record)
+}
+
 /// A comment's cells without its mark.
 fn uncommented(record: &csv::StringRecord) -> csv::StringRecord {
     let cells = record
         .iter()
         .enumerate()
-        .map(|(index, cell)| if index == 0 { cell.trim_start_matches('#').trim() } else { cell });
+        .map(|(index, cell)| if index == 0 { cell.trim_start_matches(['#', '%']).trim() } else { cell });
     cells.enumerate().filter(|(index, cell)| *index > 0 || !cell.is_empty()).map(|(_, cell)| cell).collect()
 }

@@ -1,6 +1,6 @@
 //! Torques that several captures measured point by point, made into one curve.
 
-use dynamics::{Effect, Model, Motion, effects};
+use dynamics::{Effect, Model, Motion, TorqueTable, effects};
 
 use super::scalar::{Estimated, combined};
 use crate::estimate::Fit;
@@ -21,6 +21,39 @@ pub(super) fn mean(fits: &[Fit]) -> Vec<(MeasuredCurve, Effect)> {
         Some((MeasuredCurve { effect: kind.name, points }, effect))
     };
     kinds.iter().filter_map(of_kind).collect()
+}
+
+/// The mean of what quasi-static maps hold over the angle beyond their detent; `None` where none holds any. Of a map with a detent
+/// alone it is zero.
+pub(super) fn beyond_detents(fits: &[Fit]) -> Option<Effect> {
+    let kind = &effects::angle_characteristic::KIND;
+    let is_map = |fit: &&Fit| {
+        fit.preparation.method == "quasi-static" && fit.characteristics.is_empty() && !fit.detent_harmonics.is_empty()
+    };
+    let maps: Vec<&Fit> = fits.iter().filter(is_map).collect();
+    let table = |fit: &&Fit| fit.effects.iter().find(|effect| effect.kind().name == kind.name)?.table();
+    let tables: Vec<&TorqueTable> = maps.iter().filter_map(table).collect();
+    // One that repeats after a turn has a torque at every angle.
+    let finest = tables.iter().max_by_key(|table| (table.period_rad().is_some(), table.points().len()))?;
+    let zeros = (maps.len() - tables.len()) as f64;
+    let mean_mnm = |at: &f64| {
+        let shows = |table: &&&TorqueTable| {
+            let points = table.points();
+            table.period_rad().is_some() || points.first() <= Some(at) && Some(at) <= points.last()
+        };
+        let shown = tables.iter().filter(shows).map(|table| table.torque_mnm(*at));
+        let (sum, count) = shown.fold((0.0, zeros), |(sum, count), torque_mnm| (sum + torque_mnm, count + 1.0));
+        sum / count
+    };
+    let mut places = finest.points().to_vec();
+    if finest.period_rad().is_none() {
+        let (first, last) = (*places.first()?, *places.last()?);
+        places.extend(tables.iter().flat_map(|table| table.points()).filter(|at| **at < first || **at > last));
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+    }
+    let torque_mnm: Vec<f64> = places.iter().map(mean_mnm).collect();
+    Spline::through(kind, places, finest.period_rad())?.effect(&torque_mnm)
 }
 
 /// A capture's curve and the model that interpolates it.

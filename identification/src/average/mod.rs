@@ -172,6 +172,10 @@ pub fn average(fits: &[Fit]) -> Option<Average> {
         fit.effects.push(effect);
         fit.characteristics.push(curve);
     }
+    if let Some(effect) = curves::beyond_detents(fits).filter(|_| !are_curves) {
+        fit.effects.retain(|other| other.kind().name != effect.kind().name);
+        fit.effects.push(effect);
+    }
     sums(&mut fit, fits);
     fit.covariance = covariance(&mean);
     let own = statistics::mean(fits.iter().map(|one| one.mean_ci95_mnm));

@@ -1,8 +1,8 @@
 //! Several captures made into one model: narrower intervals that still hold, wider ones where captures disagree.
 
 use crate::common::{SLIDING, run, true_value};
-use dynamics::{Drive, Effect, Model, effects, knobs};
-use identification::{Fit, FitOptions, average, fit};
+use dynamics::{Drive, Effect, Model, Motion, effects, knobs};
+use identification::{Fit, FitOptions, Samples, average, fit};
 
 fn fitted(knob: &Model, sweep: &str, seed: u64) -> Fit {
     let capture = run(knob, sweep, Drive::Position, None, 8.0, seed);
@@ -125,6 +125,40 @@ fn the_residual_of_a_mean_is_that_of_its_model() {
     assert!((mean.fit.residual_rms_mnm / one.residual_rms_mnm - 1.0).abs() < 0.01);
     let mean = average(&[one, other]).unwrap();
     assert!(mean.fit.residual_rms_mnm > 2.0 * own, "{} against {own}", mean.fit.residual_rms_mnm);
+}
+
+#[test]
+fn the_mean_of_maps_has_the_mean_of_their_further_sinusoids() {
+    let map = |overtone_mnm: f64| {
+        // A turn and a little more, forth and back.
+        let angle_rad: Vec<f64> = (0..20_000).map(|row| 7.0 - (f64::from(row) * 7e-4 - 7.0).abs()).collect();
+        let torque = |(row, angle_rad): (usize, &f64)| {
+            let friction = if row < 10_000 { 1.0 } else { -1.0 };
+            let noise = 0.05 * (12.9898 * (row * row % 7919) as f64).sin();
+            10.0 * (8.0 * angle_rad).sin() + overtone_mnm * (24.0 * angle_rad).sin() + friction + noise
+        };
+        let torque_mnm: Vec<f64> = angle_rad.iter().enumerate().map(torque).collect();
+        let t_s: Vec<f64> = (0..angle_rad.len()).map(|row| row as f64).collect();
+        let samples = Samples {
+            t_s: &t_s,
+            angle_rad: &angle_rad,
+            velocity_rad_s: None,
+            acceleration_rad_s2: None,
+            torque_mnm: &torque_mnm,
+        };
+        fit(&samples, &FitOptions { is_quasi_static: true, ..FitOptions::default() }).unwrap()
+    };
+    let fits = [map(1.0), map(3.0)];
+    let [one, other] = [&fits[0], &fits[1]].map(|fit| fit.model("one"));
+    let mean = average(&fits).unwrap().model("mean");
+    let mut largest: f64 = 0.0;
+    for step in 0..500 {
+        let motion = Motion { angle_rad: 0.0123 * f64::from(step), velocity_rad_s: 0.1, ..Motion::default() };
+        let [one, other, mean] = [&one, &other, &mean].map(|model| model.torque_mnm(&motion));
+        largest = largest.max((one - other).abs());
+        assert!((mean - 0.5 * (one + other)).abs() < 0.05, "{mean} of {one} and {other}");
+    }
+    assert!(largest > 1.5, "the maps differ by {largest} mNm at most");
 }
 
 #[test]

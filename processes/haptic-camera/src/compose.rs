@@ -129,7 +129,8 @@ fn parts_table(composition: &Composition, model: &Model) -> Table {
         let shown = effect.parameters().filter(move |(_, value)| !many || *value != 0.0);
         let parameters = shown.map(move |(parameter, value)| {
             let from = composition.origin_of(parameter.name).unwrap_or_default();
-            [std::mem::take(&mut name), parameter.name, &value.to_string(), parameter.unit, from].map(str::to_owned)
+            let unit = dynamics::printed_unit(parameter.unit);
+            [std::mem::take(&mut name), parameter.name, &value.to_string(), unit, from].map(str::to_owned)
         });
         let points = effect.table().map(|drawn| {
             let points = format!("{} over {} rad", drawn.points().len(), drawn.period_rad().unwrap_or_default());

@@ -152,7 +152,8 @@ fn parameter_table(fit: &Fit, truth: Option<&Model>) -> Table {
             Some(value) => (format!("{value:.digits$}"), interval(parameter.ci95, digits)),
             None => ("-".to_owned(), "not identifiable".to_owned()),
         };
-        let mut row = vec![parameter.name.to_owned(), value, interval, parameter.unit.to_owned()];
+        let mut row =
+            vec![parameter.name.to_owned(), value, interval, dynamics::printed_unit(parameter.unit).to_owned()];
         row.extend(truth.into_iter().flat_map(|model| truth_cells(parameter, model, digits)));
         row
     };

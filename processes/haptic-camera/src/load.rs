@@ -1,4 +1,4 @@
-//! Captures as commands load them: with a remark where the calibration comes from a file of its own.
+//! Captures as commands load them: with a remark where the calibration comes from a file of its own, and where the description was lost.
 
 use std::path::Path;
 
@@ -32,6 +32,12 @@ pub fn names_model(name: &str) -> bool {
 }
 
 fn with_remark(loaded: LoadedCapture) -> LoadedCapture {
+    let capture = &loaded.capture;
+    // A table has no metadata, and never had a description.
+    if capture.description.is_none() && !capture.metadata.is_empty() && !capture.is_rendered() {
+        let file = capture.source.display();
+        remark(format!("{file} has lost its run.json: if it is of a replay, its torque has the wrong sign"));
+    }
     if let Some(file) = &loaded.calibration_file {
         remark(format!("using the rig's calibration from {}", file.display()));
     }

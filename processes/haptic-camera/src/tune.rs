@@ -187,7 +187,7 @@ fn apply(settings: &[(String, f64)], model: &mut Model) -> Result<(), Compositio
 }
 
 fn line(parameter: &ParameterKind, value: f64) -> String {
-    format!("  {:<22} {value} {}", parameter.name, parameter.unit)
+    format!("  {:<22} {value}{}", parameter.name, dynamics::spaced_unit(parameter.unit))
 }
 
 /// Every parameter whose value changes, old to new; a dash where a model does not have it.
@@ -201,7 +201,8 @@ fn changes(old: &Model, new: &Model) -> Vec<String> {
         let (before, after) = (old.parameter(parameter.name), new.parameter(parameter.name));
         if before != after {
             let value = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| value.to_string());
-            let line = format!("  {:<22} {} → {} {}", parameter.name, value(before), value(after), parameter.unit);
+            let unit = dynamics::spaced_unit(parameter.unit);
+            let line = format!("  {:<22} {} → {}{unit}", parameter.name, value(before), value(after));
             lines.push(new.axis.words(&line).into_owned());
         }
     }
@@ -216,7 +217,13 @@ fn changes(old: &Model, new: &Model) -> Vec<String> {
 mod tests {
     use dynamics::knobs;
 
-    use super::{apply, changes};
+    use super::{apply, changes, line};
+
+    #[test]
+    fn a_number_without_a_unit_is_listed_without_one() {
+        let scale = &dynamics::effects::torque_table::KIND.parameters[0];
+        assert!(line(scale, 0.5).ends_with(" 0.5"));
+    }
 
     #[test]
     fn a_parameter_of_a_pressed_control_is_set_by_the_name_in_its_file_and_listed_in_its_units() {

@@ -71,7 +71,7 @@ fn estimate_cells(page: &FitPage<'_>, parameter: &Parameter, value: f64) -> Mark
                 @if let Some(interval) = parameter.ci95_textbook { span.faint { (digits.span(interval)) } }
             }
             td { @if let Some(interval) = parameter.ci95 { (picture(value, interval, parameter.ci95_textbook, truth)) } }
-            td.unit { (parameter.unit) }
+            td.unit { (dynamics::printed_unit(parameter.unit)) }
             @if page.truth.is_some() { td.number { (truth_words(truth, parameter.ci95, digits)) } }
         }
     }
@@ -136,7 +136,7 @@ fn not_fitted(page: &FitPage<'_>, truth: &Model) -> Markup {
                 "The simulated knob also has "
                 @for (index, (kind, value)) in missing.iter().enumerate() {
                     @if index > 0 { ", " }
-                    code { (kind.name) } " " (three(*value)) " " (kind.unit)
+                    code { (kind.name) } " " (three(*value)) (dynamics::spaced_unit(kind.unit))
                 }
                 ", which are no part of this fit."
             }

@@ -10,6 +10,7 @@ use anyhow::{anyhow, ensure};
 use rerun::external::re_log_encoding::{EncodeError, Encoder, EncodingOptions};
 use rerun::log::LogMsg;
 use rerun::sink::CallbackSink;
+use tempfile::{NamedTempFile, TempPath};
 
 use crate::lock::lock;
 
@@ -25,6 +26,8 @@ pub struct RecordingFile {
 struct State {
     /// Until the file is finished or cannot be written.
     encoder: Option<Encoder<File>>,
+    /// Where it is written and what it is to replace, which stays until this one is whole.
+    replacement: Option<(TempPath, PathBuf)>,
     failure: Option<EncodeError>,
 }
 
@@ -35,9 +38,13 @@ impl RecordingFile {
         let name = path.display();
         ensure!(may_be_replaced(path), "{name} is no rerun file and is not overwritten; name another place");
         let (version, options) = (rerun::build_info().version, EncodingOptions::PROTOBUF_COMPRESSED);
-        let begin = || anyhow::Ok(Encoder::new_eager(version, options, open(path)?)?);
-        let encoder = begin().map_err(|error| cannot_be_written(path, &error))?;
-        Ok(Self { path: path.to_owned(), state: Arc::new(Mutex::new(State { encoder: Some(encoder), failure: None })) })
+        let begin = || {
+            let (file, replacement) = open(path)?;
+            let encoder = Some(Encoder::new_eager(version, options, file)?);
+            anyhow::Ok(State { encoder, replacement, failure: None })
+        };
+        let state = begin().map_err(|error| cannot_be_written(path, &error))?;
+        Ok(Self { path: path.to_owned(), state: Arc::new(Mutex::new(state)) })
     }
 
     /// Where a recording sends what is drawn.
@@ -67,31 +74,49 @@ impl State {
         if self.failure.is_some() {
             // One that is dropped tries to write its end, and complains itself.
             let _ = self.encoder.take().map(Encoder::into_inner);
+            self.replacement = None;
         }
     }
 
     fn finish(&mut self) -> anyhow::Result<()> {
         let Some(mut encoder) = self.encoder.take() else { return Ok(()) };
+        let replacement = self.replacement.take();
         match encoder.finish().and(encoder.into_inner())?.sync_all() {
             // A pipe or a device has nothing to wait for.
-            Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
-            synced => Ok(synced?),
+            Err(error) if error.kind() == io::ErrorKind::InvalidInput => {}
+            synced => synced?,
         }
+        if let Some((written, place)) = replacement {
+            written.persist(place).map_err(|failed| failed.error)?;
+        }
+        Ok(())
     }
 }
 
-/// Opens the file, emptied and closed to others.
-fn open(path: &Path) -> io::Result<File> {
+/// Opens the file, closed to others: at its place, or beside it where that is taken.
+fn open(path: &Path) -> io::Result<(File, Option<(TempPath, PathBuf)>)> {
+    if has_content(path) {
+        let place = path.canonicalize()?;
+        let mut beside = tempfile::Builder::new();
+        beside.prefix(".haptic-camera-").suffix(".incomplete");
+        let folder = place.parent().unwrap_or(Path::new("/"));
+        let (file, written) = beside.tempfile_in(folder).map(NamedTempFile::into_parts)?;
+        return Ok((file, Some((written, place))));
+    }
     let file = OpenOptions::new().write(true).create(true).truncate(true).mode(0o600).open(path)?;
     if file.metadata()?.is_file() {
         file.set_permissions(std::fs::Permissions::from_mode(0o600))?;
     }
-    Ok(file)
+    Ok((file, None))
+}
+
+fn has_content(path: &Path) -> bool {
+    path.metadata().is_ok_and(|found| found.is_file() && found.len() > 0)
 }
 
 /// Whether there is nothing at `path`, a device or pipe, an empty file, or a rerun file.
 fn may_be_replaced(path: &Path) -> bool {
-    if !path.metadata().is_ok_and(|found| found.is_file() && found.len() > 0) {
+    if !has_content(path) {
         return true;
     }
     let mut beginning = [0; BEGINS_WITH.len()];

@@ -29,7 +29,11 @@ impl RenderedModel {
                 Some(before) => format!("**{}** | {} |", three_figures(value), three_figures(before)),
                 None => format!("{} | |", three_figures(value)),
             };
-            format!("| {}, {} | {values}\n", parameter.name.replace('_', " "), parameter.unit)
+            let unit = match dynamics::printed_unit(parameter.unit) {
+                "" => String::new(),
+                unit => format!(", {unit}"),
+            };
+            format!("| {}{unit} | {values}\n", parameter.name.replace('_', " "))
         };
         let rows: String = self.model.parameters().map(row).collect();
         format!("| rendered: {name}, from {from_s:.1} s on | value | before |\n|---|---:|---:|\n{rows}\n")

@@ -75,8 +75,13 @@ fn a_recording_that_fills_its_disk_is_a_failure() {
 #[test]
 fn a_recording_is_for_its_user_alone_and_replaces_only_its_like() {
     let (folder, capture) = bench();
-    let recording = folder.path().join("capture.rrd");
-    for _ in 0..2 {
+    let [recording, earlier] = ["capture.rrd", "earlier.rrd"].map(|name| folder.path().join(name));
+    for time in 0..2 {
+        if time == 1 {
+            // Shows whether the earlier one is written into.
+            std::fs::write(&recording, b"RRF2, and no more").unwrap();
+            std::fs::hard_link(&recording, &earlier).unwrap();
+        }
         let output = save(folder.path(), &capture, recording.to_str().unwrap());
         assert!(output.status.success(), "{output:?}");
         assert!(recording.metadata().unwrap().len() > 1_000);
@@ -84,6 +89,11 @@ fn a_recording_is_for_its_user_alone_and_replaces_only_its_like() {
         // As one that was written before it was made private.
         std::fs::set_permissions(&recording, std::fs::Permissions::from_mode(0o644)).unwrap();
     }
+    assert_eq!(std::fs::read(&earlier).unwrap(), b"RRF2, and no more");
+    let left_over = |entry: std::io::Result<std::fs::DirEntry>| {
+        entry.unwrap().file_name().to_string_lossy().ends_with(".incomplete")
+    };
+    assert!(!std::fs::read_dir(folder.path()).unwrap().any(left_over));
     let notes = folder.path().join("notes.txt");
     std::fs::write(&notes, "not a recording").unwrap();
     let output = save(folder.path(), &capture, notes.to_str().unwrap());

@@ -87,6 +87,9 @@ fn curve(
         }
     }
     refuse_falling(t_s.as_deref())?;
+    // Readings that all have the same time in their group were not timed: they are a curve.
+    let is_chosen = chosen.is_some_and(|chosen| chosen.column(Quantity::Time.name()).is_some());
+    let t_s = t_s.filter(|t_s| is_chosen || t_s.first() < t_s.last());
     let closed = volts.and_then(|volts| closed(&volts));
     Ok(Curve { axis, t_s, position: positions, load: loads, closed, ..Curve::default() })
 }

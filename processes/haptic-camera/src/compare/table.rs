@@ -87,7 +87,7 @@ fn table(knobs: &[ComparedKnob]) -> Table {
 
 fn row(name: &str, cells: impl Iterator<Item = Option<String>>, unit: &str) -> Vec<String> {
     let cells = cells.map(|cell| cell.unwrap_or_else(|| "-".to_owned()));
-    [name.to_owned()].into_iter().chain(cells).chain([unit.to_owned()]).collect()
+    [name.to_owned()].into_iter().chain(cells).chain([dynamics::printed_unit(unit).to_owned()]).collect()
 }
 
 fn cell(own: &ComparedValue) -> String {

@@ -127,7 +127,8 @@ fn parameters(steps: &[Step]) -> Table {
         ordered.sort_by_key(|(name, _)| place(name));
         ordered.into_iter().map(|(name, value)| {
             let digits = digits(value.ci95.map_or(0.01 * value.value.abs(), |[low, high]| high - low));
-            [*name, &format!("{:.digits$}", value.value), &interval(value.ci95, digits), value.unit].map(str::to_owned)
+            let unit = dynamics::printed_unit(value.unit);
+            [*name, &format!("{:.digits$}", value.value), &interval(value.ci95, digits), unit].map(str::to_owned)
         })
     });
     table(["parameter", "value", "95 % interval", "unit"], 1..3, rows)

@@ -83,7 +83,14 @@ impl<'spec> Journal<'spec> {
         reader.seek(SeekFrom::Start(end)).with_context(unusable)?;
         text.clear();
         while reader.read_until(b'\n', &mut text).with_context(unusable)? > 0 && text.ends_with(b"\n") {
-            let Some((capture, axis, _)) = parsed(&text, columns) else { break };
+            let Some((capture, axis, _)) = parsed(&text, columns) else {
+                remark(format!(
+                    "{} of the rows in {} are of other columns, as another version makes them, and are made again",
+                    if lines.is_empty() { "all" } else { "some" },
+                    place.display()
+                ));
+                break;
+            };
             lines.insert(capture, (end, axis));
             end += text.len() as u64;
             text.clear();

@@ -47,7 +47,7 @@ fn one_table(knobs: &[ComparedKnob], names: &[&'static str]) -> Markup {
                         tr {
                             (name_cells(name))
                             @for knob in knobs { (cell(knob, name)) }
-                            td.unit { (knobs.iter().find_map(|knob| knob.unit(name)).unwrap_or_default()) }
+                            td.unit { (dynamics::printed_unit(knobs.iter().find_map(|knob| knob.unit(name)).unwrap_or_default())) }
                         }
                     }
                     (quality(knobs, "residual_rms_mnm", "RMS of measured minus model torque", "mNm", |of| two(of.residual_rms_mnm)))

@@ -79,7 +79,7 @@ fn parameters(model: &Model) -> Markup {
                                 tr {
                                     (name_cells(kind.name))
                                     td.number.value { (Digits::significant(value, DIGITS).show(value)) }
-                                    td.unit { (kind.unit) }
+                                    td.unit { (dynamics::printed_unit(kind.unit)) }
                                     td { (effect.kind().name) }
                                 }
                             }

@@ -120,7 +120,7 @@ fn row(name: &str, value: &Value) -> Markup {
             td.number.value { (digits.show(value.value)) }
             td.number { @if let Some(interval) = value.ci95 { (digits.span(interval)) } @else { "–" } }
             td { @if let Some(interval) = value.ci95 { (picture(value.value, interval, None, None)) } }
-            td.unit { (value.unit) }
+            td.unit { (dynamics::printed_unit(value.unit)) }
         }
     }
 }

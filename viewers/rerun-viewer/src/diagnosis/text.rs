@@ -33,7 +33,12 @@ pub fn markdown(input: &Input) -> String {
         for (name, value) in &step.parameters {
             let ends = value.ci95.map(|ends| ends.map(three_figures));
             let interval = ends.map_or("–".to_owned(), |[low, high]| format!("{low} … {high}"));
-            let _ = writeln!(text, "| {name} | {} | {interval} | {} |", three_figures(value.value), value.unit);
+            let _ = writeln!(
+                text,
+                "| {name} | {} | {interval} | {} |",
+                three_figures(value.value),
+                dynamics::printed_unit(value.unit)
+            );
         }
         if !step.ties.is_empty() {
             let _ = writeln!(text, "\n**A tie** with {}.", step.ties.join(" and "));
