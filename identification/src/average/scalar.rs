@@ -1,6 +1,4 @@
-//! Means of single numbers with intervals, and angles on the circle.
-
-use std::f64::consts::{PI, TAU};
+//! Means of single numbers with intervals.
 
 use crate::numerics::statistics::NORMAL_95;
 
@@ -46,9 +44,4 @@ fn weighted(known: &[(f64, f64)], between: f64) -> (f64, f64) {
     let weights = known.iter().map(|(_, own)| 1.0 / (own + between));
     let total: f64 = weights.clone().sum();
     (known.iter().zip(weights).map(|(one, weight)| weight * one.0).sum::<f64>() / total, total)
-}
-
-/// An angle in (−π, π].
-pub(crate) fn wrapped(angle_rad: f64) -> f64 {
-    angle_rad - TAU * ((angle_rad - PI) / TAU).ceil()
 }
