@@ -15,7 +15,7 @@ const FIRST_LENGTH: u64 = 16;
 /// A column of which less than this share remains beside the others cannot be estimated.
 const COLLINEAR: f64 = 1e-7;
 
-/// The Gram matrices of consecutive blocks of rows; the last column of a row is the torque.
+/// The Gram matrices of consecutive blocks of rows; the first column of a row is the torque.
 #[derive(Clone, Debug)]
 pub(super) struct Blocks {
     blocks: Vec<DMatrix<f64>>,
@@ -81,10 +81,7 @@ impl Blocks {
 
     /// Solves with the first `columns` columns.
     pub(super) fn solve(&self, columns: usize) -> Option<Solution> {
-        let mut map = DMatrix::zeros(columns + 1, self.width());
-        map[(0, self.width() - 1)] = 1.0;
-        (0..columns).for_each(|index| map[(index + 1, index)] = 1.0);
-        self.solve_mapped(&map)
+        self.solve_mapped(&DMatrix::identity(columns + 1, self.width()))
     }
 
     /// Solves with columns that are sums of the stored ones: `map` has a first row for the torque, and one for each.

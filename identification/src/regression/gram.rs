@@ -157,15 +157,14 @@ impl Solution {
 
     /// Sum of squares that it leaves of rows with these products.
     pub(crate) fn squares(&self, products: &DMatrix<f64>) -> f64 {
-        let weights = self.weights();
-        weights.dot(&(products * &weights))
+        squares_left(products, &self.coefficients)
     }
 
     /// Covariance of the coefficients for residuals that are correlated within a block and of varying size: the scatter of
     /// the blocks' own contributions (a sandwich over clusters; Liang and Zeger, Biometrika 73, 1986, 13–22).
     pub(crate) fn covariance_over(&self, blocks: &[DMatrix<f64>]) -> DMatrix<f64> {
         let count = self.coefficients.len();
-        let weights = self.weights();
+        let weights = weights(&self.coefficients);
         let mut scatter = DMatrix::zeros(count, count);
         for products in blocks {
             let score = (products * &weights).remove_row(0);
@@ -174,14 +173,17 @@ impl Solution {
         let inverse = self.inverse();
         &inverse * scatter * &inverse
     }
+}
 
-    /// Weights with which target and columns add up to minus the residual.
-    fn weights(&self) -> DVector<f64> {
-        DVector::from_iterator(
-            self.coefficients.len() + 1,
-            std::iter::once(-1.0).chain(self.coefficients.iter().copied()),
-        )
-    }
+/// Sum of squares that coefficients leave of rows with these products, those of the target first.
+pub(crate) fn squares_left(products: &DMatrix<f64>, coefficients: &[f64]) -> f64 {
+    let weights = weights(coefficients);
+    weights.dot(&(products * &weights))
+}
+
+/// Weights with which target and columns add up to minus the residual.
+fn weights(coefficients: &[f64]) -> DVector<f64> {
+    DVector::from_iterator(coefficients.len() + 1, std::iter::once(-1.0).chain(coefficients.iter().copied()))
 }
 
 /// How much the columns beyond the first `base` lower the squared error of blocks that were left out of the fit: the mean of the
