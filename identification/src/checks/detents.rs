@@ -99,19 +99,17 @@ pub fn count_detents(samples: &Samples<'_>) -> Result<DetentCount, CountError> {
         return Err(CountError::TooManyTurns { turns });
     }
     let profile = Profile::of(samples);
+    let passed_rad = profile.mean_mnm.len() as f64 * TAU / BINS_PER_TURN;
     if profile.mean_mnm.len() < FEWEST_BINS {
-        return Err(CountError::TooLittleTravel { passed_rad: profile.mean_mnm.len() as f64 * TAU / BINS_PER_TURN });
-    }
-    if profile.correlation < REPEATS {
-        return Err(CountError::NoneSeen { correlation: profile.correlation });
+        return Err(CountError::TooLittleTravel { passed_rad });
     }
     let crossings = profile.rising_crossings();
-    if crossings.len() < 2 {
+    if profile.correlation < REPEATS || crossings.len() < 2 {
         return Err(CountError::NoneSeen { correlation: profile.correlation });
     }
     // One spacing shows no scatter.
     if crossings.len() < 3 {
-        return Err(CountError::TooLittleTravel { passed_rad: profile.mean_mnm.len() as f64 * TAU / BINS_PER_TURN });
+        return Err(CountError::TooLittleTravel { passed_rad });
     }
     let intervals = crossings.len() - 1;
     let turned_rad = crossings[intervals] - crossings[0];

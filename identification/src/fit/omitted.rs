@@ -1,6 +1,5 @@
 //! Estimates beside effects that many machines have and the fit leaves out.
 
-use dynamics::effects::friction;
 use nalgebra::{DMatrix, DVector};
 
 use super::shift::Shift;
@@ -171,9 +170,8 @@ impl Beside {
     /// `None` without a friction effect, and where its fitted columns are dependent.
     pub(super) fn of(omitted: &Omitted, Trimmed { problem, columns, solution, .. }: &Trimmed<'_>) -> Option<Self> {
         let Omitted { column, is_beyond_friction } = omitted;
-        let effect = problem.effects.iter().position(|effect| effect.kind().name == friction::KIND.name)?;
         let is_fitted = |index: &usize| solution.inverse[(*index, *index)] != 0.0;
-        let friction: Vec<usize> = problem.range(effect).filter(is_fitted).collect();
+        let friction: Vec<usize> = problem.friction()?.filter(is_fitted).collect();
         let product = |row: usize, other: usize| dot(&columns[friction[row]], &columns[friction[other]]);
         let gram = DMatrix::from_fn(friction.len(), friction.len(), product).cholesky()?;
         let with_columns = DVector::from_iterator(columns.len(), columns.iter().map(|other| dot(other, column)));

@@ -35,7 +35,7 @@ use crate::detents::angle_bins::{AngleBins, MOST_COLUMNS};
 use crate::numerics::interpolation::cubic_weights;
 use crate::samples::LARGEST;
 use blocks::{Blocks, RowFilter};
-pub use convergence::{Criterion, MotionRms, USUAL_SHARE, relative_half_width};
+pub use convergence::{Criterion, MotionRms, USUAL_SHARE};
 use estimate::{Excitation, estimate};
 pub use estimate::{LiveEstimate, LiveParameter};
 use pipeline::{Pipeline, Prepared};

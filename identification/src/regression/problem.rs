@@ -265,10 +265,16 @@ impl<'a> Problem<'a> {
         Some((step, gain))
     }
 
+    /// Range of the friction's coefficients among all: Coulomb friction, then viscous, of the negative direction first.
+    pub(crate) fn friction(&self) -> Option<std::ops::Range<usize>> {
+        let friction = self.effects.iter().position(|effect| effect.kind().name == effects::friction::KIND.name)?;
+        Some(self.range(friction))
+    }
+
     /// Where the columns of the Coulomb friction are, of the negative direction first, and their sum: that of a friction alike in both.
     pub(crate) fn both_ways(&self) -> Option<([usize; 2], Column)> {
-        let friction = self.effects.iter().position(|effect| effect.kind().name == effects::friction::KIND.name)?;
-        let places = [0, 1].map(|place| self.range(friction).start + place);
+        let friction = self.friction()?;
+        let places = [0, 1].map(|place| friction.start + place);
         let [negative, positive] = places.map(|place| &self.columns[place]);
         Some((places, negative.iter().zip(&**positive).map(|(one, other)| one + other).collect()))
     }

@@ -69,11 +69,7 @@ fn dot_inline(left: &[f64], right: &[f64]) -> f64 {
 
 /// Inner products of the columns from `from` on with all up to themselves, written to both triangles of `products`.
 pub(crate) fn products<C: Deref<Target = [f64]>>(columns: &[C], from: usize, products: &mut DMatrix<f64>) {
-    for row in from..columns.len() {
-        for column in 0..=row {
-            products[(row, column)] = 0.0;
-        }
-    }
+    products.rows_mut(from, columns.len() - from).fill(0.0);
     let rows = columns.first().map_or(0, |column| column.len());
     widest!({
         for start in (0..rows).step_by(BLOCK) {
@@ -86,11 +82,7 @@ pub(crate) fn products<C: Deref<Target = [f64]>>(columns: &[C], from: usize, pro
             }
         }
     });
-    for row in from..columns.len() {
-        for column in 0..row {
-            products[(column, row)] = products[(row, column)];
-        }
-    }
+    products.fill_upper_triangle_with_lower_triangle();
 }
 
 /// Inner products of all columns.
