@@ -13,20 +13,23 @@ pub struct Estimated {
 
 /// The weighted mean of values with half widths, scatter between them included.
 pub(crate) fn combined(estimated: &[(f64, f64)]) -> Estimated {
-    let variances = || estimated.iter().map(|one| (one.1 / NORMAL_95).powi(2));
-    let substitute = substitute(variances());
-    let known: Vec<(f64, f64)> =
-        estimated.iter().zip(variances()).map(|(one, own)| (one.0, if own > 0.0 { own } else { substitute })).collect();
+    let estimated: Vec<(f64, f64)> = estimated.iter().map(|one| (one.0, (one.1 / NORMAL_95).powi(2))).collect();
+    let known = substituted(&estimated, substitute(&estimated));
     let between = between(&known);
     let (value, total) = weighted(&known, between);
-    let is_uncertain = between > 0.0 || variances().any(|own| own > 0.0);
+    let is_uncertain = between > 0.0 || estimated.iter().any(|one| one.1 > 0.0);
     Estimated { value, half_width: if is_uncertain { NORMAL_95 / total.sqrt() } else { 0.0 } }
 }
 
-/// The variance to use for a value without one: the smallest positive variance, or 1 if there is none.
-pub(super) fn substitute(variances: impl Iterator<Item = f64>) -> f64 {
-    let least = variances.filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
+/// The variance to use for a value without one: the smallest positive variance of these values, or 1 if there is none.
+pub(super) fn substitute(estimated: &[(f64, f64)]) -> f64 {
+    let least = estimated.iter().map(|one| one.1).filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
     if least.is_finite() { least } else { 1.0 }
+}
+
+/// Values with variances, a substitute for those without one.
+pub(super) fn substituted(estimated: &[(f64, f64)], substitute: f64) -> Vec<(f64, f64)> {
+    estimated.iter().map(|(value, own)| (*value, if *own > 0.0 { *own } else { substitute })).collect()
 }
 
 /// Variance between the values that their own variances do not explain, after DerSimonian and Laird; zero if they explain
