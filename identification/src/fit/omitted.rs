@@ -89,8 +89,7 @@ fn rest_angle(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<[Shift; 2]
     let angle = Omitted { column: angle.into(), is_beyond_friction: false };
     let angle = Beside::of(&angle, trimmed).filter(|beside| beside.is_separable)?;
     let slope = LeastSquares::solve(&[&*angle.rest], &solution.residual);
-    let with_columns = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &constant)));
-    let of_constant = &solution.inverse * with_columns;
+    let of_constant = &solution.inverse * vector::products_with(columns, &constant);
     let variance = slope.robust_of_points(&[&*angle.rest], 1)[(0, 0)];
     Some([-reach_rad, reach_rad].map(|rest_rad| {
         let per_slope = &angle.change + rest_rad * &of_constant;
@@ -174,7 +173,7 @@ impl Beside {
         let friction: Vec<usize> = problem.friction()?.filter(is_fitted).collect();
         let product = |row: usize, other: usize| dot(&columns[friction[row]], &columns[friction[other]]);
         let gram = DMatrix::from_fn(friction.len(), friction.len(), product).cholesky()?;
-        let with_columns = DVector::from_iterator(columns.len(), columns.iter().map(|other| dot(other, column)));
+        let with_columns = vector::products_with(columns, column);
         let with_friction = with_columns.select_rows(&friction);
         let of_friction = gram.solve(&with_friction);
         let parts = &solution.inverse * &with_columns;

@@ -252,8 +252,7 @@ impl<'a> Problem<'a> {
     /// sum of squares.
     fn gauss_newton(&self, searched: &[Searched], solution: &LeastSquares) -> Option<(DVector<f64>, f64)> {
         let tangents: Vec<Column> = searched.iter().map(|which| self.tangent(*which, &solution.coefficients)).collect();
-        let slope =
-            DVector::from_iterator(tangents.len(), tangents.iter().map(|tangent| dot(tangent, &solution.residual)));
+        let slope = vector::products_with(&tangents, &solution.residual);
         let cross = DMatrix::from_fn(self.columns.len(), tangents.len(), |row, column| {
             dot(&self.columns[row], &tangents[column])
         });

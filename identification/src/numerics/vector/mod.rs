@@ -21,7 +21,7 @@ mod windows;
 
 use std::ops::Deref;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use pulp::NullaryFnOnce;
 
 pub(crate) use angles::{share_out, share_out_together, sines};
@@ -90,6 +90,11 @@ pub(crate) fn gram<C: Deref<Target = [f64]>>(columns: &[C]) -> DMatrix<f64> {
     let mut gram = DMatrix::zeros(columns.len(), columns.len());
     products(columns, 0, &mut gram);
     gram
+}
+
+/// Inner products of columns with one more.
+pub(crate) fn products_with<C: Deref<Target = [f64]>>(columns: &[C], other: &[f64]) -> DVector<f64> {
+    DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, other)))
 }
 
 /// Writes target − Σ coefficient · column to `residual` and returns its inner product with every column, in one pass.
