@@ -94,11 +94,10 @@ impl Blocks {
         }
         let all: Vec<usize> = (0..columns).collect();
         let solved = gram::solve(&total, &all, COLLINEAR)?;
-        let freedom = blocks.len() as f64 / blocks.len().saturating_sub(solved.fitted.len()).max(1) as f64;
         let rows = self.rows as f64;
         let rms = |squares: f64| (squares.max(0.0) / rows).sqrt();
         Some(Solution {
-            covariance: solved.covariance_over(&blocks) * freedom,
+            covariance: solved.covariance_over(&blocks),
             is_fitted: (0..columns).map(|column| solved.fitted.contains(&column)).collect(),
             column_rms: (1..=columns).map(|index| rms(total[(index, index)])).collect(),
             torque_rms: rms(total[(0, 0)]),

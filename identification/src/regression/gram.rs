@@ -13,6 +13,8 @@ use crate::numerics::vector;
 pub(crate) const COLLINEAR: f64 = 1e-9;
 /// Noise of a column may make up at most this share of its square to be taken off: beyond, nothing would be left.
 const MOST_NOISE: f64 = 0.5;
+/// Least share of a variance that is taken for left: of less, nothing can be said.
+const LEAST_LEFT: f64 = 0.1;
 /// Stretches of a capture, alternately fitted and predicted.
 const STRETCHES: usize = 16;
 
@@ -161,18 +163,41 @@ impl Solution {
     }
 
     /// Covariance of the coefficients for residuals that are correlated within a block and of varying size: the scatter of
-    /// the blocks' own contributions (a sandwich over clusters; Liang and Zeger, Biometrika 73, 1986, 13–22).
+    /// the blocks' own contributions (a sandwich over clusters; Liang and Zeger, Biometrika 73, 1986, 13–22), restored from what the
+    /// fit has taken off it.
+    ///
+    /// Of G blocks that see the columns alike, the fit of any number of columns takes off the share 1/G. Of blocks so short that each
+    /// sees one combination of k columns it takes off k/G. The blocks' own products say what lies between.
     pub(crate) fn covariance_over(&self, blocks: &[DMatrix<f64>]) -> DMatrix<f64> {
-        let count = self.coefficients.len();
+        let count = self.fitted.len();
         let weights = weights(&self.coefficients);
-        let mut scatter = DMatrix::zeros(count, count);
+        // Combinations of the fitted columns that are orthonormal over all blocks.
+        let mut whitening = DMatrix::from_fn(count, weights.len(), |row, column| {
+            if column == self.fitted[row] + 1 { 1.0 / self.lengths[row] } else { 0.0 }
+        });
+        self.factor.l().solve_lower_triangular_mut(&mut whitening);
+        let [mut scatter, mut lost] = [(); 2].map(|()| DMatrix::<f64>::zeros(count, count));
         for products in blocks {
-            let score = (products * &weights).remove_row(0);
+            let of_block = &whitening * products;
+            let score = &of_block * &weights;
             scatter += &score * score.transpose();
+            let share = of_block * whitening.transpose();
+            lost += &share * &share;
         }
-        let inverse = self.inverse();
-        &inverse * scatter * &inverse
+        let back = whitening.remove_column(0).tr_mul(&restoring(lost));
+        &back * scatter * back.transpose()
     }
+}
+
+/// (1 − Q)^(−1/2) for the share Q of the scores' covariance that a fit has taken: on both sides of what is left, it restores the whole
+/// (R. M. Bell and D. F. McCaffrey, Survey Methodology 28, 2002, 169–181).
+pub(crate) fn restoring(taken: DMatrix<f64>) -> DMatrix<f64> {
+    if taken.is_empty() {
+        return taken;
+    }
+    let left = (DMatrix::identity(taken.nrows(), taken.ncols()) - taken).symmetric_eigen();
+    let powers = DMatrix::from_diagonal(&left.eigenvalues.map(|share| share.max(LEAST_LEFT).powf(-0.5)));
+    &left.eigenvectors * powers * left.eigenvectors.transpose()
 }
 
 /// Sum of squares that coefficients leave of rows with these products, those of the target first.
