@@ -147,14 +147,17 @@ impl Solution {
 
     /// Inverse of the fitted columns' Gram matrix; rows and columns of columns that were not fitted are zero.
     pub(crate) fn inverse(&self) -> DMatrix<f64> {
-        let (inverse, count) = (self.factor.inverse(), self.coefficients.len());
-        let mut all = DMatrix::zeros(count, count);
-        for (row, at) in self.fitted.iter().enumerate() {
-            for (column, other) in self.fitted.iter().enumerate() {
-                all[(*at, *other)] = inverse[(row, column)] / (self.lengths[row] * self.lengths[column]);
-            }
-        }
-        all
+        let whitening = self.whitening();
+        whitening.tr_mul(&whitening)
+    }
+
+    /// The coefficients of as many combinations of the columns as were fitted, row by row, that are orthonormal over all rows.
+    fn whitening(&self) -> DMatrix<f64> {
+        let mut whitening = DMatrix::from_fn(self.fitted.len(), self.coefficients.len(), |row, column| {
+            if column == self.fitted[row] { 1.0 / self.lengths[row] } else { 0.0 }
+        });
+        self.factor.l().solve_lower_triangular_mut(&mut whitening);
+        whitening
     }
 
     /// Sum of squares that it leaves of rows with these products.
@@ -170,21 +173,15 @@ impl Solution {
     /// sees one combination of k columns it takes off k/G. The blocks' own products say what lies between.
     pub(crate) fn covariance_over(&self, blocks: &[DMatrix<f64>]) -> DMatrix<f64> {
         let count = self.fitted.len();
-        let weights = weights(&self.coefficients);
-        // Combinations of the fitted columns that are orthonormal over all blocks.
-        let mut whitening = DMatrix::from_fn(count, weights.len(), |row, column| {
-            if column == self.fitted[row] + 1 { 1.0 / self.lengths[row] } else { 0.0 }
-        });
-        self.factor.l().solve_lower_triangular_mut(&mut whitening);
+        let (weights, whitening) = (weights(&self.coefficients), self.whitening());
         let [mut scatter, mut lost] = [(); 2].map(|()| DMatrix::<f64>::zeros(count, count));
         for products in blocks {
-            let of_block = &whitening * products;
-            let score = &of_block * &weights;
+            let score = &whitening * (products * &weights).remove_row(0);
             scatter += &score * score.transpose();
-            let share = of_block * whitening.transpose();
+            let share = &whitening * products.view_range(1.., 1..) * whitening.transpose();
             lost += &share * &share;
         }
-        let back = whitening.remove_column(0).tr_mul(&restoring(lost));
+        let back = whitening.tr_mul(&restoring(lost));
         &back * scatter * back.transpose()
     }
 }
