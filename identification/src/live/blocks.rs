@@ -5,7 +5,6 @@ use nalgebra::{DMatrix, DVectorView};
 use crate::detents::angle_bins::MOST_COLUMNS;
 use crate::numerics::statistics::student_95;
 use crate::preparation::filter::Fir;
-use crate::preparation::row_filter::{row_low_pass, row_step};
 use crate::regression::gram;
 
 /// Most blocks; when they are full, neighbours merge.
@@ -108,7 +107,7 @@ impl Blocks {
     }
 }
 
-/// The common low-pass and decimation, over several columns at once.
+/// A low-pass with decimation, over several columns at once, sample by sample.
 #[derive(Clone, Debug)]
 pub(super) struct RowFilter {
     fir: Fir,
@@ -125,12 +124,12 @@ pub(super) struct RowFilter {
 }
 
 impl RowFilter {
-    pub(super) fn new(rate_hz: f64, band_hz: f64, width: usize) -> Self {
-        let fir = row_low_pass(band_hz, rate_hz);
+    /// A low-pass that keeps every `step`-th sample.
+    pub(super) fn new(fir: Fir, step: usize, width: usize) -> Self {
         let length = fir.taps().len();
         Self {
             fir,
-            step: row_step(band_hz, rate_hz),
+            step,
             width,
             history: vec![0.0; 2 * length * width],
             next: 0,

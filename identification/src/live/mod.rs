@@ -33,6 +33,7 @@ use dynamics::{Axis, Calibration, Effect, effects};
 
 use crate::detents::angle_bins::{AngleBins, MOST_COLUMNS};
 use crate::numerics::interpolation::cubic_weights;
+use crate::preparation::row_filter::{row_low_pass, row_step};
 use crate::samples::LARGEST;
 use blocks::{Blocks, RowFilter};
 pub use convergence::{Criterion, MotionRms, USUAL_SHARE};
@@ -123,7 +124,9 @@ struct Rows {
 
 impl Rows {
     fn new(rate_hz: f64, width: usize) -> Self {
-        Self { filter: RowFilter::new(rate_hz, band_hz(rate_hz), width), blocks: Blocks::new(width) }
+        let band_hz = band_hz(rate_hz);
+        let filter = RowFilter::new(row_low_pass(band_hz, rate_hz), row_step(band_hz, rate_hz), width);
+        Self { filter, blocks: Blocks::new(width) }
     }
 
     fn push(&mut self, sample: &[f64], unmasked: bool) {

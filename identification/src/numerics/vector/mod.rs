@@ -26,7 +26,7 @@ use pulp::NullaryFnOnce;
 
 pub(crate) use angles::{share_out, share_out_together, sines};
 pub(crate) use checks::{all_finite, extent, extent_where, rises, smallest_step};
-pub(crate) use filters::{decimate, differences, small_fourth_differences, spread};
+pub(crate) use filters::{decimate, difference, differences, small_fourth_differences, spread};
 pub(crate) use windows::{grouped_products, triangle};
 
 /// Rows that are looked at together: a dozen columns of them stay in the first-level cache.
