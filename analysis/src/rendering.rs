@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use dynamics::{Effect, Model, Motion, ParameterKind, Part, effects};
 use identification::checks::{FreeTravel, free_travel};
 use identification::diagnosis::Diagnosis;
+use identification::statistics::nearest_turn;
 use identification::{Fit, FitOptions};
 use loaded_capture::LoadedCapture;
 use report::{AddedByRendering, HeldStill, LostMotion, RenderedParameter, Rendering, RenderingLimits, true_value};
@@ -173,7 +174,7 @@ fn verified(
     };
     let difference_percent = value.map(|value| {
         if unit == "rad" && name.ends_with("phase") {
-            100.0 * ((value - intended + 0.5 * TAU).rem_euclid(TAU) / TAU - 0.5)
+            100.0 * nearest_turn(value - intended, 0.0) / TAU
         } else {
             100.0 * (value / intended - 1.0)
         }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use dynamics::{Axis, Excitation};
 use identification::filter::chebyshev2_low_pass;
-use identification::statistics::{mean, standard_deviation};
+use identification::statistics::{mean, nearest_turn, standard_deviation};
 use loaded_capture::LoadedCapture;
 use report::{CaptureFacts, ChannelDifference, ChannelLag, ChannelTrace, RigTest};
 
@@ -168,7 +168,7 @@ fn lag(channel: &'static str, signals: &[[f64; 3]]) -> ChannelLag {
     }
     // For cos(ωt − φ) the sums are in the ratio cos φ to sin φ.
     let difference = measured[1].atan2(measured[0]) - original[1].atan2(original[0]);
-    let phase_rad = difference - TAU * (difference / TAU).round();
+    let phase_rad = nearest_turn(difference, 0.0);
     ChannelLag {
         channel,
         phase_rad,

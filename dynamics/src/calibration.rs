@@ -117,6 +117,12 @@ const MOST_COGGING: usize = 64;
 const LARGEST: f64 = 1e9;
 
 impl Calibration {
+    /// The torque of the motor's cogging, as far as it is known, that holds the rotor back at an encoder angle, mNm.
+    #[must_use]
+    pub fn motor_cogging_mnm(&self, angle_rad: f64) -> f64 {
+        self.motor_cogging.iter().flatten().map(|harmonic| harmonic.at_mnm(angle_rad)).sum()
+    }
+
     /// Reads a calibration file.
     ///
     /// # Errors

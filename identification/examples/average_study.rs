@@ -7,11 +7,10 @@
 #[path = "../tests/all/common/mod.rs"]
 mod common;
 
-use std::f64::consts::TAU;
-
 use common::{Failure, SLIDING, captured_at, true_value};
 use dynamics::{Model, knobs};
 use hal::simulated_rig::RigParameters;
+use identification::statistics::nearest_turn;
 use identification::{Fit, average, fit};
 
 /// Captures of a pair: a sweep, and its amplitude in rad about which seeds vary by 5 %.
@@ -80,7 +79,7 @@ impl Tally {
         };
         let weight = |(_, [low, high]): (f64, [f64; 2])| (high - low).powi(-2);
         let (one, other) = (weight(first), weight(second));
-        let error = |value: f64| if name == "detent_phase" { on_circle(value - truth) } else { value - truth };
+        let error = |value: f64| if name == "detent_phase" { nearest_turn(value - truth, 0.0) } else { value - truth };
         let scalar = (one * error(first.0) + other * error(second.0)) / (one + other);
         for (sum, error) in self.squares.iter_mut().zip([error(first.0), scalar, error(value)]) {
             *sum += error * error;
@@ -88,9 +87,4 @@ impl Tally {
         self.held += u32::from((low..=high).contains(&(value - error(value))));
         self.told += 1;
     }
-}
-
-/// The difference of two angles within half a turn.
-fn on_circle(angle_rad: f64) -> f64 {
-    angle_rad - TAU * (angle_rad / TAU).round()
 }

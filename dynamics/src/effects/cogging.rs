@@ -98,6 +98,12 @@ pub fn is_of_the_detents(per_turn: f64, scene: &Scene) -> bool {
     })
 }
 
+/// Whether a sinusoid of so many periods per turn differs from the detents themselves, as far as the travel can resolve.
+#[must_use]
+pub fn is_apart_from_the_detents(per_turn: f64, scene: &Scene) -> bool {
+    scene.detent_period_rad.is_none_or(|period_rad| are_resolved(per_turn, 1.0 / period_rad, scene))
+}
+
 /// Whether every line of an effect's values differs from all lines before it, as far as the travel can resolve.
 #[must_use]
 pub fn lines_are_resolved(values: &[f64], scene: &Scene) -> bool {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use dynamics::Scene;
-use dynamics::effects::cogging::{is_of_the_detents, lines_are_resolved};
+use dynamics::effects::cogging::{is_apart_from_the_detents, is_of_the_detents, lines_are_resolved};
 
 #[test]
 fn lines_differ_by_half_a_period_over_the_travel() {
@@ -19,4 +19,12 @@ fn a_multiple_of_the_detents_is_of_them_and_their_own_period_is_not_asked() {
     let scene = Scene { highest_rad: TAU, detent_period_rad: Some(0.1), ..Scene::default() };
     assert!(is_of_the_detents(20.4, &scene) && is_of_the_detents(29.6, &scene));
     assert!(!is_of_the_detents(20.6, &scene) && !is_of_the_detents(10.0, &scene));
+}
+
+#[test]
+fn a_line_beside_the_detents_differs_from_them_by_half_a_period_over_the_travel() {
+    let scene = Scene { highest_rad: TAU, detent_period_rad: Some(0.1), ..Scene::default() };
+    assert!(is_apart_from_the_detents(10.6, &scene) && is_apart_from_the_detents(9.4, &scene));
+    assert!(!is_apart_from_the_detents(10.4, &scene) && !is_apart_from_the_detents(9.6, &scene));
+    assert!(is_apart_from_the_detents(10.0, &Scene { detent_period_rad: None, ..scene }));
 }

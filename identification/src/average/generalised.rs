@@ -30,17 +30,10 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
             .filter_map(|one| position(&one.names, name).map(|at| (one.values[at], one.covariance[(at, at)])))
             .collect()
     };
-    let substitutes: Vec<f64> =
-        names.iter().map(|name| scalar::substitute(estimated(name).iter().map(|one| one.1))).collect();
-    let scatter: Vec<f64> = names
-        .iter()
-        .zip(&substitutes)
-        .map(|(name, substitute)| {
-            let known: Vec<(f64, f64)> =
-                estimated(name).iter().map(|one| (one.0, if one.1 > 0.0 { one.1 } else { *substitute })).collect();
-            scalar::between(&known)
-        })
-        .collect();
+    let substitutes: Vec<f64> = names.iter().map(|name| scalar::substitute(&estimated(name))).collect();
+    let each = names.iter().zip(&substitutes);
+    let scatter: Vec<f64> =
+        each.map(|(name, substitute)| scalar::between(&scalar::substituted(&estimated(name), *substitute))).collect();
     let problem = Problem { names: &names, substitutes: &substitutes, observations };
     let none = vec![0.0; names.len()];
     let alike = problem.solve(&none, &none);

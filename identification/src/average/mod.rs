@@ -23,7 +23,7 @@ use crate::numerics::statistics::{self, NORMAL_95, deviation_of_sum};
 use observation::{Observation, PERIOD, PHASE};
 
 pub use scalar::Estimated;
-pub(crate) use scalar::{combined, wrapped};
+pub(crate) use scalar::combined;
 
 /// If captures differ by this multiple of what their intervals allow, they show different knobs or one of them went wrong.
 const GROSS: f64 = 5.0;

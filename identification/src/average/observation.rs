@@ -6,9 +6,9 @@
 
 use nalgebra::DMatrix;
 
-use super::scalar::{Estimated, wrapped};
+use super::scalar::Estimated;
 use crate::estimate::{Fit, Parameter};
-use crate::numerics::statistics::NORMAL_95;
+use crate::numerics::statistics::{NORMAL_95, mean_angle, nearest_turn};
 
 pub(super) const PHASE: &str = "detent_phase";
 pub(super) const PERIOD: &str = "detent_period";
@@ -84,7 +84,7 @@ impl Observation {
     pub(super) fn back_to_zero(&mut self, angle_rad: f64) {
         self.move_phase(-angle_rad);
         if let Some(at) = position(&self.names, PHASE) {
-            self.values[at] = wrapped(self.values[at]);
+            self.values[at] = nearest_turn(self.values[at], 0.0);
         }
     }
 
@@ -98,15 +98,9 @@ impl Observation {
 
 /// Converts every capture's phase from angle zero to `angle_rad`, and puts all phases within half a turn of their mean.
 pub(super) fn to_angle(observations: &mut [Observation], angle_rad: f64) {
-    let (mut sine, mut cosine) = (0.0, 0.0);
-    for observation in observations.iter_mut() {
-        let Some((phase, weight)) = observation.move_phase(angle_rad) else { continue };
-        sine += weight * phase.sin();
-        cosine += weight * phase.cos();
-    }
-    let centre_rad = sine.atan2(cosine);
+    let centre_rad = mean_angle(observations.iter_mut().filter_map(|observation| observation.move_phase(angle_rad)));
     for observation in observations {
         let Some(at) = position(&observation.names, PHASE) else { continue };
-        observation.values[at] = centre_rad + wrapped(observation.values[at] - centre_rad);
+        observation.values[at] = nearest_turn(observation.values[at], centre_rad);
     }
 }

@@ -1,6 +1,4 @@
-//! Means of single numbers with intervals, and angles on the circle.
-
-use std::f64::consts::{PI, TAU};
+//! Means of single numbers with intervals.
 
 use crate::numerics::statistics::NORMAL_95;
 
@@ -15,20 +13,23 @@ pub struct Estimated {
 
 /// The weighted mean of values with half widths, scatter between them included.
 pub(crate) fn combined(estimated: &[(f64, f64)]) -> Estimated {
-    let variances = || estimated.iter().map(|one| (one.1 / NORMAL_95).powi(2));
-    let substitute = substitute(variances());
-    let known: Vec<(f64, f64)> =
-        estimated.iter().zip(variances()).map(|(one, own)| (one.0, if own > 0.0 { own } else { substitute })).collect();
+    let estimated: Vec<(f64, f64)> = estimated.iter().map(|one| (one.0, (one.1 / NORMAL_95).powi(2))).collect();
+    let known = substituted(&estimated, substitute(&estimated));
     let between = between(&known);
     let (value, total) = weighted(&known, between);
-    let is_uncertain = between > 0.0 || variances().any(|own| own > 0.0);
+    let is_uncertain = between > 0.0 || estimated.iter().any(|one| one.1 > 0.0);
     Estimated { value, half_width: if is_uncertain { NORMAL_95 / total.sqrt() } else { 0.0 } }
 }
 
-/// The variance to use for a value without one: the smallest positive variance, or 1 if there is none.
-pub(super) fn substitute(variances: impl Iterator<Item = f64>) -> f64 {
-    let least = variances.filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
+/// The variance to use for a value without one: the smallest positive variance of these values, or 1 if there is none.
+pub(super) fn substitute(estimated: &[(f64, f64)]) -> f64 {
+    let least = estimated.iter().map(|one| one.1).filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
     if least.is_finite() { least } else { 1.0 }
+}
+
+/// Values with variances, a substitute for those without one.
+pub(super) fn substituted(estimated: &[(f64, f64)], substitute: f64) -> Vec<(f64, f64)> {
+    estimated.iter().map(|(value, own)| (*value, if *own > 0.0 { *own } else { substitute })).collect()
 }
 
 /// Variance between the values that their own variances do not explain, after DerSimonian and Laird; zero if they explain
@@ -46,9 +47,4 @@ fn weighted(known: &[(f64, f64)], between: f64) -> (f64, f64) {
     let weights = known.iter().map(|(_, own)| 1.0 / (own + between));
     let total: f64 = weights.clone().sum();
     (known.iter().zip(weights).map(|(one, weight)| weight * one.0).sum::<f64>() / total, total)
-}
-
-/// An angle in (−π, π].
-pub(crate) fn wrapped(angle_rad: f64) -> f64 {
-    angle_rad - TAU * ((angle_rad - PI) / TAU).ceil()
 }

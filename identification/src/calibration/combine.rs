@@ -1,7 +1,8 @@
 //! One calibration of several captures.
 
 use super::estimate::{Calibrated, CoggingEstimate, Estimate};
-use crate::average::{Estimated, combined, wrapped};
+use crate::average::{Estimated, combined};
+use crate::numerics::statistics::{mean_angle, nearest_turn};
 
 /// Combines the calibrations from several captures of the same rig; `None` for none.
 ///
@@ -58,10 +59,10 @@ fn cogging(captures: &[Calibrated]) -> Option<Vec<CoggingEstimate>> {
     Some(harmonics)
 }
 
-/// [`combined`] of phases with half widths, all of them on the same turn as the first.
+/// [`combined`] of phases with half widths, all of them within half a turn of their mean.
 fn combined_on_circle(mut phases: Vec<(f64, f64)>) -> Estimated {
-    let first_rad = phases.first().map_or(0.0, |phase| phase.0);
-    phases.iter_mut().for_each(|phase| phase.0 = first_rad + wrapped(phase.0 - first_rad));
+    let centre_rad = mean_angle(phases.iter().map(|phase| (phase.0, 1.0)));
+    phases.iter_mut().for_each(|phase| phase.0 = nearest_turn(phase.0, centre_rad));
     let Estimated { value, half_width } = combined(&phases);
-    Estimated { value: wrapped(value), half_width }
+    Estimated { value: nearest_turn(value, 0.0), half_width }
 }

@@ -47,10 +47,9 @@ pub fn friction(
     known: &Calibration,
 ) -> Result<Calibrated, CalibrateError> {
     samples.check()?;
-    let cogging = known.motor_cogging.as_deref().unwrap_or_default();
     let mut taken_mnm = motors_share_mnm(samples, commanded_mnm, known)?;
     for (taken_mnm, angle_rad) in taken_mnm.iter_mut().zip(samples.angle_rad) {
-        *taken_mnm -= cogging.iter().map(|harmonic| harmonic.at_mnm(*angle_rad)).sum::<f64>();
+        *taken_mnm -= known.motor_cogging_mnm(*angle_rad);
     }
     let motor = Samples { torque_mnm: &taken_mnm, acceleration_rad_s2: None, velocity_rad_s: None, ..*samples };
     let fitted = fit(&motor, &FitOptions { axis: known.axis, without_detents: true, ..FitOptions::default() })?;
@@ -86,12 +85,14 @@ pub(super) fn motors_share_mnm(
     known: &Calibration,
 ) -> Result<Vec<f64>, CalibrateError> {
     check_command(samples, commanded_mnm)?;
-    // At a sample one command ends and the next begins: their mean acts.
-    let share_mnm = |index: usize| {
-        let acting_mnm = 0.5 * (commanded_mnm[index.saturating_sub(1)] + commanded_mnm[index]);
-        acting_mnm - (samples.torque_mnm[index] - known.torque_zero_mnm)
-    };
+    let share_mnm =
+        |sample: usize| acting_mnm(commanded_mnm, sample) - (samples.torque_mnm[sample] - known.torque_zero_mnm);
     Ok((0..commanded_mnm.len()).map(share_mnm).collect())
+}
+
+/// The commanded torque that acts at a sample, where one command, which is held for a period, gives way to the next: their mean, mNm.
+pub(crate) fn acting_mnm(commanded_mnm: &[f64], sample: usize) -> f64 {
+    0.5 * (commanded_mnm[sample.saturating_sub(1)] + commanded_mnm[sample])
 }
 
 /// A fitted value with the half width of its 95 % interval.

@@ -27,6 +27,7 @@ mod zero;
 pub use cogging::cogging;
 pub use combine::combine;
 pub use estimate::{CalibrateError, Calibrated, CoggingEstimate, Estimate};
+pub(crate) use friction::acting_mnm;
 pub use friction::{friction, gripper};
 pub use gravity::gravity;
 pub use latency::{command_latency, latency};

@@ -99,19 +99,17 @@ pub fn count_detents(samples: &Samples<'_>) -> Result<DetentCount, CountError> {
         return Err(CountError::TooManyTurns { turns });
     }
     let profile = Profile::of(samples);
+    let passed_rad = profile.mean_mnm.len() as f64 * TAU / BINS_PER_TURN;
     if profile.mean_mnm.len() < FEWEST_BINS {
-        return Err(CountError::TooLittleTravel { passed_rad: profile.mean_mnm.len() as f64 * TAU / BINS_PER_TURN });
-    }
-    if profile.correlation < REPEATS {
-        return Err(CountError::NoneSeen { correlation: profile.correlation });
+        return Err(CountError::TooLittleTravel { passed_rad });
     }
     let crossings = profile.rising_crossings();
-    if crossings.len() < 2 {
+    if profile.correlation < REPEATS || crossings.len() < 2 {
         return Err(CountError::NoneSeen { correlation: profile.correlation });
     }
     // One spacing shows no scatter.
     if crossings.len() < 3 {
-        return Err(CountError::TooLittleTravel { passed_rad: profile.mean_mnm.len() as f64 * TAU / BINS_PER_TURN });
+        return Err(CountError::TooLittleTravel { passed_rad });
     }
     let intervals = crossings.len() - 1;
     let turned_rad = crossings[intervals] - crossings[0];
@@ -158,7 +156,7 @@ impl Profile {
         let (mut sums, mut counts) = ([vec![0.0; bins], vec![0.0; bins]], [vec![0.0; bins], vec![0.0; bins]]);
         // The direction changes once the knob has come back by two bins: noise of the encoder does not change it.
         let mut turning_point = samples.angle_rad[0];
-        let mut direction = None;
+        let mut direction: Option<Direction> = None;
         let (step_s, _) = typical_step(samples.t_s);
         let (mut previous_s, mut caught_up_s) = (samples.t_s[0], samples.t_s[0]);
         for ((time_s, angle), torque) in samples.t_s.iter().zip(samples.angle_rad).zip(samples.torque_mnm) {
@@ -167,22 +165,12 @@ impl Profile {
             }
             previous_s = *time_s;
             let away = angle - turning_point;
-            let onwards = match direction {
-                Some(Direction::Positive) => away > 0.0,
-                Some(Direction::Negative) => away < 0.0,
-                None => false,
-            };
-            if onwards {
-                turning_point = *angle;
-            } else if away.abs() > 2.0 * width {
-                direction = Some(Direction::of(away));
-                turning_point = *angle;
+            let turned = Some(Direction::of(away));
+            if turned == direction || away.abs() > 2.0 * width {
+                (direction, turning_point) = (turned, *angle);
             }
-            let side = match direction {
-                Some(Direction::Negative) => 0,
-                Some(Direction::Positive) => 1,
-                None => continue,
-            };
+            let Some(towards) = direction else { continue };
+            let side = usize::from(towards == Direction::Positive);
             if *time_s >= caught_up_s {
                 sums[side][bin(*angle)] += torque;
                 counts[side][bin(*angle)] += 1.0;

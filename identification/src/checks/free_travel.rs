@@ -92,17 +92,12 @@ impl Bins {
 
     /// The bin up to which the knob turns on from `start` evenly, in one direction and under next to no torque.
     fn free_until(&self, start: usize) -> usize {
-        let mut end = start;
-        while end < self.steps_rad.len() && self.torque_mnm[end].abs() <= self.little_mnm {
-            let step = self.steps_rad[end];
-            let before = if end == start { step } else { self.steps_rad[end - 1] };
+        let is_free = |bin: &usize| {
+            let [before, step] = [bin.saturating_sub(1).max(start), *bin].map(|bin| self.steps_rad[bin]);
             let even = step * before > 0.0 && step.abs() < EVEN * before.abs() && before.abs() < EVEN * step.abs();
-            if !even {
-                break;
-            }
-            end += 1;
-        }
-        end
+            even && self.torque_mnm[*bin].abs() <= self.little_mnm
+        };
+        start + (start..self.steps_rad.len()).take_while(is_free).count()
     }
 
     /// Whether a contact held the knob just before the start or just beyond the end of a free travel.

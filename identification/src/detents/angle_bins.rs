@@ -3,11 +3,12 @@
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use nalgebra::{DMatrix, DVector, DVectorView};
+use nalgebra::{DMatrix, DVectorView};
 use realfft::num_complex::Complex;
 
 use super::{WORTHWHILE_AMPLITUDE, WORTHWHILE_SHARE};
 use crate::numerics::fourier;
+use crate::regression::gram;
 use crate::sinusoids::reduction::Reduction;
 use crate::sinusoids::{FEWEST_PERIODS, OVERSAMPLING, noise_variance, threshold, vertex};
 
@@ -44,7 +45,7 @@ pub(crate) struct Scan {
 }
 
 impl AngleBins {
-    /// For rows of `width` columns, the last of them the torque.
+    /// For rows of `width` columns, the first of them the torque.
     pub(crate) fn new(width: usize) -> Self {
         Self { bin_rad: FIRST_WIDTH_RAD, first: 0, sums: VecDeque::new(), gram: DMatrix::zeros(width, width) }
     }
@@ -121,10 +122,9 @@ impl AngleBins {
         if last <= first + 2 * OVERSAMPLING {
             return None;
         }
-        let inverse = ridge_inverse(&self.gram.view((0, 0), (columns, columns)).into_owned());
+        let inverse = ridge_inverse(&self.gram.view((1, 1), (columns, columns)).into_owned());
         let mut spectra = self.spectra(length, 2 * last + 1);
-        let mut residual = spectra.pop()?;
-        let weights = spectra.remove(0);
+        let (weights, mut residual) = (spectra.remove(0), spectra.remove(0));
         for (column, coefficient) in spectra.iter().zip(coefficients) {
             residual.iter_mut().zip(column).for_each(|(left, line)| *left -= line * coefficient);
         }
@@ -140,22 +140,14 @@ impl AngleBins {
             .map(|(_, power)| *power)
             .collect();
         let noise = noise_variance(&mut elsewhere);
-        let total = self.residual_square(coefficients);
-        let torque_square = self.gram[(columns, columns)];
+        let total = gram::squares_left(&self.gram, coefficients).max(0.0);
+        let torque_square = self.gram[(0, 0)];
         let samples = weights[0].re;
         let amplitude = (2.0 * powers[best] / samples).sqrt();
         let clear = powers[best] > threshold(powers.len() as f64 / peak, MARGIN) * noise;
         let worthwhile = powers[best] > WORTHWHILE_SHARE * total
             || amplitude > WORTHWHILE_AMPLITUDE * (torque_square / samples).sqrt();
         Some(Scan { wavenumber, travel_rad, detents: clear && worthwhile })
-    }
-
-    /// Sum of squares that the base coefficients leave of the unfiltered torque.
-    fn residual_square(&self, coefficients: &[f64]) -> f64 {
-        // The residual is the sum of all columns, the torque last, with these weights.
-        let weights = coefficients.iter().map(|value| -value).chain([1.0]);
-        let weights = DVector::from_iterator(self.gram.nrows(), weights);
-        weights.dot(&(&self.gram * &weights)).max(0.0)
     }
 
     /// Σ value·exp(ikθ) for the counts and every column, θ from the middle of the first bin: the `count` longest waves.

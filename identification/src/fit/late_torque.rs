@@ -1,13 +1,13 @@
 //! Estimates that allow for a late torque.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::omitted::{Beside, Omitted};
 use super::shift::Shift;
 use super::trimmed::Trimmed;
 use crate::numerics::interpolation::advance;
 use crate::numerics::lag::{lagged, prompt};
-use crate::numerics::vector::dot;
+use crate::numerics::vector::{self, dot};
 use crate::regression::least_squares::{LeastSquares, residual};
 use crate::regression::problem::Problem;
 
@@ -72,8 +72,7 @@ fn aligned(
     loop {
         let aligned = align(delay_s);
         let moved: Vec<f64> = aligned.iter().zip(&**target).map(|(aligned, target)| aligned - target).collect();
-        let products = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &moved)));
-        let change = &solution.inverse * products;
+        let change = &solution.inverse * vector::products_with(columns, &moved);
         let coefficients: Vec<f64> = solution.coefficients.iter().zip(&change).map(|(one, more)| one + more).collect();
         let left = residual(columns, &aligned, &coefficients);
         steps -= 1;

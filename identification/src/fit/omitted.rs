@@ -1,8 +1,5 @@
 //! Estimates beside effects that many machines have and the fit leaves out.
 
-use std::ops::Range;
-
-use dynamics::effects::friction;
 use nalgebra::{DMatrix, DVector};
 
 use super::shift::Shift;
@@ -92,8 +89,7 @@ fn rest_angle(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<[Shift; 2]
     let angle = Omitted { column: angle.into(), is_beyond_friction: false };
     let angle = Beside::of(&angle, trimmed).filter(|beside| beside.is_separable)?;
     let slope = LeastSquares::solve(&[&*angle.rest], &solution.residual);
-    let with_columns = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &constant)));
-    let of_constant = &solution.inverse * with_columns;
+    let of_constant = &solution.inverse * vector::products_with(columns, &constant);
     let variance = slope.robust_of_points(&[&*angle.rest], 1)[(0, 0)];
     Some([-reach_rad, reach_rad].map(|rest_rad| {
         let per_slope = &angle.change + rest_rad * &of_constant;
@@ -163,7 +159,7 @@ fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
 /// Friction that grows with the load, the fitted torque without its friction: the model's Coulomb friction is then that without load.
 fn friction_of_the_load(trimmed: &Trimmed<'_>) -> Option<Group> {
     let Trimmed { problem, columns, target, solution, .. } = trimmed;
-    let friction = friction_columns(problem)?;
+    let friction = problem.friction()?;
     let fitted = target.iter().zip(&solution.residual).map(|(torque, left)| torque - left);
     let column = fitted.enumerate().map(|(row, fitted_mnm)| {
         let of_friction = friction.clone().map(|place| solution.coefficients[place] * columns[place][row]);
@@ -172,12 +168,6 @@ fn friction_of_the_load(trimmed: &Trimmed<'_>) -> Option<Group> {
     });
     let columns = vec![Omitted { column: column.collect(), is_beyond_friction: false }];
     Some(Group { name: "friction that grows with the load".to_owned(), columns })
-}
-
-/// The columns of the friction effect.
-fn friction_columns(problem: &Problem<'_>) -> Option<Range<usize>> {
-    let effect = problem.effects.iter().position(|effect| effect.kind().name == friction::KIND.name)?;
-    Some(problem.range(effect))
 }
 
 /// An omitted column beside those of the fit.
@@ -195,10 +185,10 @@ impl Beside {
     pub(super) fn of(omitted: &Omitted, Trimmed { problem, columns, solution, .. }: &Trimmed<'_>) -> Option<Self> {
         let Omitted { column, is_beyond_friction } = omitted;
         let is_fitted = |index: &usize| solution.inverse[(*index, *index)] != 0.0;
-        let friction: Vec<usize> = friction_columns(problem)?.filter(is_fitted).collect();
+        let friction: Vec<usize> = problem.friction()?.filter(is_fitted).collect();
         let product = |row: usize, other: usize| dot(&columns[friction[row]], &columns[friction[other]]);
         let gram = DMatrix::from_fn(friction.len(), friction.len(), product).cholesky()?;
-        let with_columns = DVector::from_iterator(columns.len(), columns.iter().map(|other| dot(other, column)));
+        let with_columns = vector::products_with(columns, column);
         let with_friction = with_columns.select_rows(&friction);
         let of_friction = gram.solve(&with_friction);
         let parts = &solution.inverse * &with_columns;

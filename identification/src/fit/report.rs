@@ -207,9 +207,8 @@ impl<'a> Report<'a> {
     /// varies by little more than the encoder's noise. `None` if they can be separated.
     fn at_one_speed(&self, column: usize, critical: f64) -> Option<String> {
         let Trimmed { columns, solution, problem, .. } = self.trimmed;
-        let friction = problem.effects.iter().position(|effect| effect.kind().name == effects::friction::KIND.name)?;
-        let direction = column.checked_sub(problem.range(friction).start).filter(|place| *place < 4)? % 2;
-        let coulomb = problem.range(friction).start + direction;
+        let friction = problem.friction().filter(|friction| friction.contains(&column))?;
+        let coulomb = friction.start + (column - friction.start) % 2;
         let viscous = coulomb + 2;
         let product = |left: usize, right: usize| dot(&columns[left], &columns[right]);
         let (rows, speed_rad_s) = (product(coulomb, coulomb), product(coulomb, viscous) / product(coulomb, coulomb));

@@ -5,7 +5,6 @@ use nalgebra::{DMatrix, DVectorView};
 use crate::detents::angle_bins::MOST_COLUMNS;
 use crate::numerics::statistics::student_95;
 use crate::preparation::filter::Fir;
-use crate::preparation::row_filter::{row_low_pass, row_step};
 use crate::regression::gram;
 
 /// Most blocks; when they are full, neighbours merge.
@@ -15,7 +14,7 @@ const FIRST_LENGTH: u64 = 16;
 /// A column of which less than this share remains beside the others cannot be estimated.
 const COLLINEAR: f64 = 1e-7;
 
-/// The Gram matrices of consecutive blocks of rows; the last column of a row is the torque.
+/// The Gram matrices of consecutive blocks of rows; the first column of a row is the torque.
 #[derive(Clone, Debug)]
 pub(super) struct Blocks {
     blocks: Vec<DMatrix<f64>>,
@@ -81,10 +80,7 @@ impl Blocks {
 
     /// Solves with the first `columns` columns.
     pub(super) fn solve(&self, columns: usize) -> Option<Solution> {
-        let mut map = DMatrix::zeros(columns + 1, self.width());
-        map[(0, self.width() - 1)] = 1.0;
-        (0..columns).for_each(|index| map[(index + 1, index)] = 1.0);
-        self.solve_mapped(&map)
+        self.solve_mapped(&DMatrix::identity(columns + 1, self.width()))
     }
 
     /// Solves with columns that are sums of the stored ones: `map` has a first row for the torque, and one for each.
@@ -97,11 +93,10 @@ impl Blocks {
         }
         let all: Vec<usize> = (0..columns).collect();
         let solved = gram::solve(&total, &all, COLLINEAR)?;
-        let freedom = blocks.len() as f64 / blocks.len().saturating_sub(solved.fitted.len()).max(1) as f64;
         let rows = self.rows as f64;
         let rms = |squares: f64| (squares.max(0.0) / rows).sqrt();
         Some(Solution {
-            covariance: solved.covariance_over(&blocks) * freedom,
+            covariance: solved.covariance_over(&blocks),
             is_fitted: (0..columns).map(|column| solved.fitted.contains(&column)).collect(),
             column_rms: (1..=columns).map(|index| rms(total[(index, index)])).collect(),
             torque_rms: rms(total[(0, 0)]),
@@ -112,7 +107,7 @@ impl Blocks {
     }
 }
 
-/// The common low-pass and decimation, over several columns at once.
+/// A low-pass with decimation, over several columns at once, sample by sample.
 #[derive(Clone, Debug)]
 pub(super) struct RowFilter {
     fir: Fir,
@@ -129,12 +124,12 @@ pub(super) struct RowFilter {
 }
 
 impl RowFilter {
-    pub(super) fn new(rate_hz: f64, band_hz: f64, width: usize) -> Self {
-        let fir = row_low_pass(band_hz, rate_hz);
+    /// A low-pass that keeps every `step`-th sample.
+    pub(super) fn new(fir: Fir, step: usize, width: usize) -> Self {
         let length = fir.taps().len();
         Self {
             fir,
-            step: row_step(band_hz, rate_hz),
+            step,
             width,
             history: vec![0.0; 2 * length * width],
             next: 0,

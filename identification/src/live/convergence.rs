@@ -49,8 +49,7 @@ pub struct MotionRms {
 }
 
 /// Half an interval as a share of the value; of a phase, of one radian.
-#[must_use]
-pub fn relative_half_width(name: &str, value: f64, half_width: f64) -> f64 {
+pub(super) fn relative_half_width(name: &str, value: f64, half_width: f64) -> f64 {
     if name == "detent_phase" { half_width } else { half_width / value.abs() }
 }
 

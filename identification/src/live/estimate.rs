@@ -222,13 +222,10 @@ fn parameter(
 fn solution_with_detents(columns: usize, with_detents: &WithDetents) -> Option<Solution> {
     let plain = with_detents.rows.blocks.solve(columns + 2)?;
     let (sine, cosine) = (plain.coefficients[columns], plain.coefficients[columns + 1]);
-    let width = columns + 5;
-    let mut map = DMatrix::zeros(columns + 4, width);
-    (0..columns + 2).for_each(|index| map[(index + 1, index)] = 1.0);
-    // Stored after sine and cosine: angle·sine, angle·cosine, torque.
-    map[(columns + 3, columns + 2)] = -cosine;
-    map[(columns + 3, columns + 3)] = sine;
-    map[(0, columns + 4)] = 1.0;
+    let mut map = DMatrix::identity(columns + 4, columns + 5);
+    // Stored after sine and cosine: angle·sine, angle·cosine.
+    map[(columns + 3, columns + 3)] = -cosine;
+    map[(columns + 3, columns + 4)] = sine;
     with_detents.rows.blocks.solve_mapped(&map)
 }
 

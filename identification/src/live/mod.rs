@@ -33,9 +33,10 @@ use dynamics::{Axis, Calibration, Effect, effects};
 
 use crate::detents::angle_bins::{AngleBins, MOST_COLUMNS};
 use crate::numerics::interpolation::cubic_weights;
+use crate::preparation::row_filter::{row_low_pass, row_step};
 use crate::samples::LARGEST;
 use blocks::{Blocks, RowFilter};
-pub use convergence::{Criterion, MotionRms, USUAL_SHARE, relative_half_width};
+pub use convergence::{Criterion, MotionRms, USUAL_SHARE};
 use estimate::{Excitation, estimate};
 pub use estimate::{LiveEstimate, LiveParameter};
 use pipeline::{Pipeline, Prepared};
@@ -123,7 +124,9 @@ struct Rows {
 
 impl Rows {
     fn new(rate_hz: f64, width: usize) -> Self {
-        Self { filter: RowFilter::new(rate_hz, band_hz(rate_hz), width), blocks: Blocks::new(width) }
+        let band_hz = band_hz(rate_hz);
+        let filter = RowFilter::new(row_low_pass(band_hz, rate_hz), row_step(band_hz, rate_hz), width);
+        Self { filter, blocks: Blocks::new(width) }
     }
 
     fn push(&mut self, sample: &[f64], unmasked: bool) {
@@ -263,33 +266,30 @@ impl LiveFit {
     fn add(&mut self, prepared: &Prepared) {
         let Self { base_effects, base, bins, with_detents, .. } = self;
         let mut row = [0.0; MOST_COLUMNS];
-        let mut width = 0;
+        let width = base.filter.width;
         if prepared.is_sliding {
+            row[0] = prepared.torque_mnm;
+            let mut first = 1;
             for effect in base_effects.iter() {
                 if let Some(regressors) = effect.kind().regressors {
-                    (regressors.fill)(effect, &prepared.motion, &mut row[width..width + regressors.columns]);
-                    width += regressors.columns;
+                    (regressors.fill)(effect, &prepared.motion, &mut row[first..first + regressors.columns]);
+                    first += regressors.columns;
                 }
             }
-            row[width] = prepared.torque_mnm;
-            bins.add(prepared.motion.angle_rad, &row[..=width]);
+            bins.add(prepared.motion.angle_rad, &row[..width]);
             self.sliding += 1;
             if prepared.motion.velocity_rad_s < 0.0 {
                 self.backward += 1;
             }
-        } else {
-            width = base.filter.width - 1;
         }
-        base.push(&row[..=width], prepared.is_sliding);
+        base.push(&row[..width], prepared.is_sliding);
         if let Some(WithDetents { wavenumber, centre_rad, rows }) = with_detents {
-            let mut wide = [0.0; MOST_COLUMNS];
             if prepared.is_sliding {
-                wide[..width].copy_from_slice(&row[..width]);
                 let angle = prepared.motion.angle_rad - *centre_rad;
                 let (sine, cosine) = (*wavenumber * angle).sin_cos();
-                wide[width..width + 5].copy_from_slice(&[sine, cosine, angle * sine, angle * cosine, row[width]]);
+                row[width..width + 4].copy_from_slice(&[sine, cosine, angle * sine, angle * cosine]);
             }
-            rows.push(&wide[..width + 5], prepared.is_sliding);
+            rows.push(&row[..width + 4], prepared.is_sliding);
         }
     }
 

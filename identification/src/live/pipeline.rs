@@ -5,11 +5,12 @@ use std::f64::consts::TAU;
 use dynamics::{Calibration, Motion};
 
 use super::LiveSample;
+use super::blocks::RowFilter;
 use crate::numerics::derivative::{GRADIENT_REACH, GRADIENT_WEIGHTS};
 use crate::numerics::interpolation::{NEIGHBOURS, cubic_weights};
 use crate::numerics::statistics::{MEDIAN_FOURTH_DIFFERENCE, fourth_difference};
+use crate::numerics::vector;
 use crate::preparation::compliance::compliance_rad_mnm;
-use crate::preparation::filter::Fir;
 use crate::preparation::row_filter::{GUARD_S, SLOW, row_low_pass};
 
 /// The angle's low-pass reaches this much beyond the band in which torque and motion are compared.
@@ -32,7 +33,9 @@ pub(super) struct Prepared {
 #[derive(Debug)]
 pub(super) struct Pipeline {
     rate_hz: f64,
-    fir: Fir,
+    /// The low-pass of angle and torque, and its taps on either side.
+    low_pass: RowFilter,
+    half: usize,
     torque_zero_mnm: f64,
     compliance_rad_mnm: f64,
     whole_delay: usize,
@@ -42,8 +45,6 @@ pub(super) struct Pipeline {
     time: Ring,
     angle: Ring,
     received_torque: Ring,
-    torque: Ring,
-    knob_angle: Ring,
     smooth: Ring,
     smooth_torque: Ring,
     velocity: Ring,
@@ -63,11 +64,13 @@ impl Pipeline {
         let delay = calibration.map_or(0.0, |known| known.torque_delay_s.clamp(0.0, 0.05)) * rate_hz;
         let part = delay.fract();
         let guard = ((GUARD_S + 1.0 / cutoff_hz) * rate_hz).round() as usize;
-        let length = 4 * fir.half_length() + 2 * guard + delay as usize + 16;
+        let half = fir.half_length();
+        let length = 4 * half + 2 * guard + delay as usize + 16;
         let ring = || Ring::new(length);
         Self {
             rate_hz,
-            fir,
+            low_pass: RowFilter::new(fir, 1, 2),
+            half,
             torque_zero_mnm: calibration.map_or(0.0, |known| known.torque_zero_mnm),
             compliance_rad_mnm: compliance_rad_mnm(calibration),
             whole_delay: delay as usize,
@@ -77,8 +80,6 @@ impl Pipeline {
             time: ring(),
             angle: ring(),
             received_torque: ring(),
-            torque: ring(),
-            knob_angle: ring(),
             smooth: ring(),
             smooth_torque: ring(),
             velocity: ring(),
@@ -111,15 +112,11 @@ impl Pipeline {
         self.received_torque.set(newest, sample.torque_mnm - self.torque_zero_mnm);
         self.learn_noise(newest);
         let aligned = newest.checked_sub(self.whole_delay + 2)?;
-        self.align(aligned);
-        let half = self.fir.half_length();
-        let middle = aligned.checked_sub(2 * half)? + half;
+        let aligned_sample = self.aligned(aligned);
         // The torque passes the same filter: ringing beyond the cutoff must not remain in only one of the two.
-        let (mut smooth, mut torque) = (0.0, 0.0);
-        for (tap, at) in self.fir.taps().iter().zip(middle - half..) {
-            smooth += tap * self.knob_angle.get(at);
-            torque += tap * self.torque.get(at);
-        }
+        let &[smooth, torque] = self.low_pass.push(&aligned_sample, true)? else { return None };
+        let half = self.half;
+        let middle = aligned.checked_sub(2 * half)? + half;
         self.smooth.set(middle, smooth);
         self.smooth_torque.set(middle, torque);
         // The first smoothed angle is at half + 1, as the alignment needs one sample before; each derivative needs some on either side.
@@ -142,12 +139,12 @@ impl Pipeline {
         })
     }
 
-    /// Torque at the moment of the encoder's reading, and the knob's angle behind the twist of the sensor.
-    fn align(&mut self, index: usize) {
+    /// The knob's angle behind the twist of the sensor, and the torque at the moment of the encoder's reading.
+    fn aligned(&self, index: usize) -> [f64; 2] {
         let first = (index + self.whole_delay).saturating_sub(1);
-        let torque = self.weights.iter().zip(first..).map(|(weight, at)| weight * self.received_torque.get(at)).sum();
-        self.torque.set(index, torque);
-        self.knob_angle.set(index, self.angle.get(index) - torque * self.compliance_rad_mnm);
+        let torque: f64 =
+            self.weights.iter().zip(first..).map(|(weight, at)| weight * self.received_torque.get(at)).sum();
+        [self.angle.get(index) - torque * self.compliance_rad_mnm, torque]
     }
 
     fn differentiate(&mut self, now: usize) {
@@ -208,7 +205,7 @@ impl Ring {
 
     /// Derivative per second, as the fit of a whole capture takes it.
     fn gradient(&self, index: usize, rate_hz: f64) -> f64 {
-        let differences = (1..).map(|at| self.get(index + at) - self.get(index - at));
-        rate_hz * GRADIENT_WEIGHTS.iter().zip(differences).map(|(weight, difference)| weight * difference).sum::<f64>()
+        let near = std::array::from_fn(|place| self.get(index + place - GRADIENT_REACH));
+        rate_hz * vector::difference(&near, GRADIENT_WEIGHTS)
     }
 }

@@ -1,6 +1,7 @@
-//! Quantiles, intervals, means, noise and ranks of values.
+//! Quantiles, intervals, means, noise and ranks of values, and means on the circle.
 
 use std::borrow::Borrow;
+use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
@@ -99,6 +100,21 @@ pub fn half_width(value: f64, [low, high]: [f64; 2]) -> f64 {
 pub fn mean<V: Borrow<f64>>(values: impl IntoIterator<Item = V>) -> f64 {
     let (sum, count) = values.into_iter().fold((0.0, 0.0), |(sum, count), value| (sum + value.borrow(), count + 1.0));
     if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// The mean on the circle of angles with weights, rad.
+#[must_use]
+pub fn mean_angle(weighted: impl IntoIterator<Item = (f64, f64)>) -> f64 {
+    let [sine, cosine] = weighted.into_iter().fold([0.0_f64; 2], |[sine, cosine], (angle_rad, weight)| {
+        [sine + weight * angle_rad.sin(), cosine + weight * angle_rad.cos()]
+    });
+    f64::atan2(sine, cosine)
+}
+
+/// An angle moved by whole turns to within half a turn of another one, rad.
+#[must_use]
+pub fn nearest_turn(angle_rad: f64, to_rad: f64) -> f64 {
+    angle_rad - TAU * ((angle_rad - to_rad - PI) / TAU).ceil()
 }
 
 /// Standard deviation, estimated with one degree of freedom less than there are values; not a number for a single one.

@@ -14,7 +14,8 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 use crate::numerics::derivative::gradient;
 use crate::numerics::lag::prompt;
 use crate::numerics::statistics::{mean, rms};
-use crate::preparation::filter::low_pass;
+use crate::preparation::filter::{Sections, low_pass};
+use crate::preparation::row_filter::blank_runs;
 use crate::preparation::spectrum::{Spectrum, white_density};
 
 /// Largest disagreement of both sensors, relative, where both see well.
@@ -124,41 +125,24 @@ impl<'a> Sensors<'a> {
 /// backwards. As only the sensors' disagreement is filtered, a motion on which they agree passes unchanged.
 pub(crate) fn blend(sensors: &Sensors<'_>) -> Vec<f64> {
     let mut correction = sensors.disagreement();
-    without_gaps(&mut correction, sensors.present);
+    blank_runs(&mut correction, sensors.present, |is_present| !is_present, |_| NEAR_GAP);
+    let band_pass = band_pass(sensors.equal_hz, sensors.rate_hz);
     for _ in 0..2 {
-        band_pass(&mut correction, sensors.equal_hz, sensors.rate_hz);
+        correction = band_pass.filter(&correction, 0.0);
         correction.reverse();
     }
     // Run both ways the band-pass gives G(s)·G(−s), which is −K.
     sensors.angle_rad.iter().zip(&correction).map(|(angle, more)| angle - more).collect()
 }
 
-fn without_gaps(signal: &mut [f64], present: &[bool]) {
-    let last = signal.len().saturating_sub(1);
-    let mut from = 0;
-    for index in (0..present.len()).filter(|index| !present[*index]) {
-        let (start, end) = (index.saturating_sub(NEAR_GAP).max(from), (index + NEAR_GAP).min(last));
-        if start <= end {
-            signal[start..=end].fill(0.0);
-        }
-        from = end;
-    }
-}
-
-/// Filters in place, from rest, by s/(s² + √2·ω₀·s + ω₀²) in its bilinear transform, true at ω₀.
-fn band_pass(signal: &mut [f64], centre_hz: f64, rate_hz: f64) {
+/// s/(s² + √2·ω₀·s + ω₀²) in its bilinear transform, true at ω₀.
+fn band_pass(centre_hz: f64, rate_hz: f64) -> Sections {
     let scale = 2.0 * rate_hz;
     let centre = scale * (PI * centre_hz / rate_hz).tan();
     let (square, middle, last) = (scale * scale, SQRT_2 * centre * scale, centre * centre);
     let first = square + middle + last;
     let (gain, a1, a2) = (scale / first, 2.0 * (last - square) / first, (square - middle + last) / first);
-    let (mut in1, mut in2, mut out1, mut out2) = (0.0, 0.0, 0.0, 0.0);
-    for value in signal {
-        let out = gain * (*value - in2) - a1 * out1 - a2 * out2;
-        (in2, in1) = (in1, *value);
-        (out2, out1) = (out1, out);
-        *value = out;
-    }
+    Sections::of_one([gain, 0.0, -gain, 1.0, a1, a2])
 }
 
 #[cfg(test)]

@@ -166,7 +166,7 @@ impl KnobMotion {
 
     /// Share of the encoder in the acceleration at a frequency.
     pub(crate) fn encoder_share(&self, frequency_hz: f64) -> f64 {
-        1.0 / (1.0 + (frequency_hz / self.equal_hz).powi(4))
+        encoder_share(frequency_hz, self.equal_hz)
     }
 
     /// White density of the acceleration's noise at a frequency, as far as it is known, rad²/s⁴ per Hz; `angle_density` is
@@ -183,7 +183,8 @@ impl KnobMotion {
         if self.exact {
             return 0.0;
         }
-        integral(edge_hz, |frequency_hz| self.acceleration_density(frequency_hz, self.angle_density)).sqrt()
+        let [square] = integrals(edge_hz, |frequency_hz| [self.acceleration_density(frequency_hz, self.angle_density)]);
+        square.sqrt()
     }
 
     /// A torque filtered as the motion is: ringing beyond the cutoff must not remain in only one of the two.
@@ -240,15 +241,26 @@ pub fn knob_motion(
 /// Standard deviation of the velocity's noise up to `cutoff_hz`: white angle noise differentiated, of which the
 /// accelerometer leaves the share 1/(1 + (f/f₀)⁴) where it takes part from `equal_hz` on.
 fn velocity_noise_rad_s(angle_density: f64, cutoff_hz: f64, equal_hz: f64) -> f64 {
-    let density = |frequency_hz: f64| (TAU * frequency_hz).powi(2) / (1.0 + (frequency_hz / equal_hz).powi(4));
-    (angle_density * integral(cutoff_hz, density)).sqrt()
+    let [square] =
+        integrals(cutoff_hz, |frequency_hz| [(TAU * frequency_hz).powi(2) * encoder_share(frequency_hz, equal_hz)]);
+    (angle_density * square).sqrt()
 }
 
-/// Integral of a density from zero to `edge_hz`.
-fn integral(edge_hz: f64, density: impl Fn(f64) -> f64) -> f64 {
+/// Share of the encoder in the acceleration at a frequency, if both sensors have the same at `equal_hz`.
+fn encoder_share(frequency_hz: f64, equal_hz: f64) -> f64 {
+    1.0 / (1.0 + (frequency_hz / equal_hz).powi(4))
+}
+
+/// Integrals of densities from zero to `edge_hz`.
+pub(super) fn integrals<const COUNT: usize>(edge_hz: f64, densities: impl Fn(f64) -> [f64; COUNT]) -> [f64; COUNT] {
     const STEPS: u32 = 256;
     let width_hz = edge_hz / f64::from(STEPS);
-    width_hz * (0..STEPS).map(|step| density((f64::from(step) + 0.5) * width_hz)).sum::<f64>()
+    let mut sums = [0.0; COUNT];
+    for step in 0..STEPS {
+        let densities = densities((f64::from(step) + 0.5) * width_hz);
+        sums.iter_mut().zip(densities).for_each(|(sum, density)| *sum += width_hz * density);
+    }
+    sums
 }
 
 /// The common low-pass of angle and torque before anything is masked.

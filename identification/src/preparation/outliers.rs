@@ -1,7 +1,10 @@
 //! Single readings of a sensor that stand out from their neighbours, as a garbled frame or a disturbed line leaves them.
 
+use std::borrow::Cow;
+
 use crate::numerics::statistics::{FOURTH_DIFFERENCE_DEVIATION, fourth_difference, noise_deviation};
 use crate::numerics::vector::smallest_step;
+use crate::samples::Samples;
 
 /// An outlier deviates from the cubic through its neighbours by more than this many standard deviations of the readings around it …
 const STANDS_OUT: f64 = 12.0;
@@ -16,9 +19,20 @@ const MOST: f64 = 0.01;
 /// Share of its fourth difference by which a reading differs from the cubic through its neighbours.
 const OF_FOURTH_DIFFERENCE: f64 = 1.0 / 6.0;
 
+/// Angle and torque without such readings, and a note on each that had some.
+pub(crate) fn cleaned<'a>(samples: &Samples<'a>) -> ([Cow<'a, [f64]>; 2], Vec<String>) {
+    let mut notes = Vec::new();
+    let columns = [(samples.angle_rad, "angle"), (samples.torque_mnm, "torque")].map(|(readings, name)| {
+        let (cleaned, note) = without_outliers(readings, name).unzip();
+        notes.extend(note);
+        cleaned.map_or(Cow::Borrowed(readings), Cow::Owned)
+    });
+    (columns, notes)
+}
+
 /// A column with such readings replaced by the cubics through their neighbours, and a note that says so of the sensor called `name`; `None` where
 /// there are none.
-pub(crate) fn without_outliers(readings: &[f64], name: &str) -> Option<(Vec<f64>, String)> {
+fn without_outliers(readings: &[f64], name: &str) -> Option<(Vec<f64>, String)> {
     let deviations: Vec<f64> = (0..readings.len()).map(|at| deviation(readings, at)).collect();
     let coarse = smallest_step(readings);
     // An outlier leaves readings more than two away undisturbed. Taking the median around every reading would be slow.

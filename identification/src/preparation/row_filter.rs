@@ -217,7 +217,12 @@ fn mask(uniform: &Uniform, motion: &KnobMotion, threshold_rad_s: f64, guard: imp
 }
 
 /// Sets the mask to zero at every run of samples to be `left_out`, and as many samples around it as `guard` gives for its length.
-fn blank_runs<T>(mask: &mut [f64], samples: &[T], left_out: impl Fn(&T) -> bool, guard: impl Fn(usize) -> usize) {
+pub(super) fn blank_runs<T>(
+    mask: &mut [f64],
+    samples: &[T],
+    left_out: impl Fn(&T) -> bool,
+    guard: impl Fn(usize) -> usize,
+) {
     let runs = runs(samples, |one, other| left_out(one) == left_out(other));
     for run in runs.filter(|run| left_out(&samples[run.start])) {
         let guard = guard(run.len());

@@ -9,11 +9,9 @@
 use std::f64::consts::TAU;
 
 use super::band::Band;
-use super::motion::KnobMotion;
+use super::motion::{KnobMotion, integrals};
 use super::row_filter::RowFilter;
 
-/// Frequencies at which the noise's spectrum is summed.
-const STEPS: u32 = 256;
 /// Beyond this multiple of the band's edge the rows' filter passes nothing.
 const BEYOND: f64 = 1.6;
 
@@ -37,21 +35,17 @@ impl SensorNoise {
         let smoother = motion.smoother(row_filter.rate_hz);
         let torque_density = band.torque_noise_mnm.powi(2) / (0.5 * row_filter.rate_hz);
         let compliance = motion.compliance_rad_mnm;
-        let width_hz = (BEYOND * band.edge_hz).min(0.5 * row_filter.rate_hz) / f64::from(STEPS);
+        let edge_hz = (BEYOND * band.edge_hz).min(0.5 * row_filter.rate_hz);
         let angle_density = motion.angle_density + torque_density * compliance * compliance;
         let weight = row_filter.weight();
-        let mut sums = Self::default();
-        for step in 0..STEPS {
-            let frequency_hz = (f64::from(step) + 0.5) * width_hz;
+        let [velocity_squares, acceleration_squares, acceleration_torque] = integrals(edge_hz, |frequency_hz| {
             let gain =
                 row_filter.fir.gain(frequency_hz, row_filter.rate_hz) * smoother.gain(frequency_hz, row_filter.rate_hz);
-            let passed = weight * width_hz * gain.powi(2);
-            let square = (TAU * frequency_hz).powi(2);
-            let encoder = motion.encoder_share(frequency_hz);
-            sums.velocity_squares += passed * angle_density * square * encoder;
-            sums.acceleration_squares += passed * motion.acceleration_density(frequency_hz, angle_density);
-            sums.acceleration_torque += passed * torque_density * square * compliance * encoder;
-        }
-        sums
+            let passed = weight * gain.powi(2);
+            let velocity = passed * (TAU * frequency_hz).powi(2) * motion.encoder_share(frequency_hz);
+            let acceleration = passed * motion.acceleration_density(frequency_hz, angle_density);
+            [angle_density * velocity, acceleration, torque_density * compliance * velocity]
+        });
+        Self { velocity_squares, acceleration_squares, acceleration_torque }
     }
 }

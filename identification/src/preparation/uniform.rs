@@ -2,7 +2,7 @@
 
 use dynamics::{Axis, Calibration};
 
-use super::outliers::without_outliers;
+use super::outliers::cleaned;
 use super::sampling::own_readings;
 use super::saturation::{Saturation, frozen, frozen_note};
 use super::spectrum::Spectrum;
@@ -51,16 +51,11 @@ impl Uniform {
         let samples = &Samples { angle_rad: whole.as_deref().unwrap_or(samples.angle_rad), ..*samples };
         let (readings, note) = own_readings(samples).unzip();
         let samples = &readings.as_ref().map_or(*samples, PickedSamples::samples);
-        let (angle_rad, of_angle) = without_outliers(samples.angle_rad, "angle").unzip();
-        let (torque_mnm, of_torque) = without_outliers(samples.torque_mnm, "torque").unzip();
-        let samples = &Samples {
-            angle_rad: angle_rad.as_deref().unwrap_or(samples.angle_rad),
-            torque_mnm: torque_mnm.as_deref().unwrap_or(samples.torque_mnm),
-            ..*samples
-        };
+        let ([angle_rad, torque_mnm], outliers) = cleaned(samples);
+        let samples = &Samples { angle_rad: &angle_rad, torque_mnm: &torque_mnm, ..*samples };
         let mut uniform = Self::on_grid(samples);
         uniform.leave_out_faults(samples, calibration);
-        uniform.notes.extend(wraps.into_iter().chain(note).chain(of_angle).chain(of_torque));
+        uniform.notes.extend(wraps.into_iter().chain(note).chain(outliers));
         // Before any interpolation, which would take off the upper end.
         let rate_hz = uniform.rate_hz;
         uniform.torque_density = Spectrum::welch(&uniform.torque_mnm, rate_hz).median(0.35 * rate_hz, 0.5 * rate_hz);

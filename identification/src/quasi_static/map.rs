@@ -8,7 +8,7 @@ use crate::numerics::statistics::{median, noise_deviation};
 use crate::numerics::vector::{extent, smallest_step};
 use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::motion::KnobMotion;
-use crate::preparation::outliers::without_outliers;
+use crate::preparation::outliers::cleaned;
 use crate::preparation::saturation::Saturation;
 use crate::preparation::wrapped::unwrapped;
 use crate::samples::{FEWEST_SAMPLES, Samples};
@@ -50,11 +50,9 @@ impl Map {
     /// duration, so that it is never too fast.
     pub(crate) fn of(samples: &Samples<'_>, axis: Axis, known: Option<&Calibration>, is_curve: bool) -> Option<Self> {
         let (whole, wraps) = unwrapped(samples.angle_rad, axis).unzip();
-        let (angle_rad, of_angle) = without_outliers(whole.as_deref().unwrap_or(samples.angle_rad), "angle").unzip();
-        let angle_rad = angle_rad.as_deref().or(whole.as_deref()).unwrap_or(samples.angle_rad);
-        let (torque_mnm, of_torque) = without_outliers(samples.torque_mnm, "torque").unzip();
-        let torque_mnm = torque_mnm.as_deref().unwrap_or(samples.torque_mnm);
-        let samples = &Samples { angle_rad, torque_mnm, ..*samples };
+        let samples = &Samples { angle_rad: whole.as_deref().unwrap_or(samples.angle_rad), ..*samples };
+        let ([angle_rad, torque_mnm], outliers) = cleaned(samples);
+        let samples = &Samples { angle_rad: &angle_rad, torque_mnm: &torque_mnm, ..*samples };
         let saturation = Saturation::of(samples.torque_mnm);
         let step = smallest_step(samples.angle_rad);
         let duration_s = if is_curve { f64::INFINITY } else { samples.t_s.last()? - samples.t_s.first()? };
@@ -75,7 +73,7 @@ impl Map {
         let rate_hz = (index.len() - 1) as f64 / (time_s[index.len() - 1] - time_s[0]);
         let columns = [time_s, angle_rad, velocity_rad_s, vec![0.0; index.len()]];
         let motion = KnobMotion::as_given(columns, 0.5 * rate_hz);
-        let cleaned = wraps.into_iter().chain(of_angle).chain(of_torque).collect();
+        let cleaned = wraps.into_iter().chain(outliers).collect();
         Some(Self { motion, torque_mnm, directions, saturation, cleaned, is_curve })
     }
 

@@ -96,11 +96,10 @@ impl BlockSums {
     /// All columns' coefficients with covariances.
     pub(crate) fn estimate(&self) -> Option<Estimate> {
         let solution = self.solve()?;
-        let (blocks, rows) = (BLOCKS as f64, self.target.len() as f64);
         let left = self.residual(&solution.coefficients);
-        let variance = dot(&left, &left) / (rows - self.width() as f64).max(1.0);
+        let variance = dot(&left, &left) / (left.len() as f64 - self.width() as f64).max(1.0);
         Some(Estimate {
-            covariance: solution.covariance_over(&self.blocks) * (blocks / (blocks - 1.0)),
+            covariance: solution.covariance_over(&self.blocks),
             textbook: solution.inverse() * variance,
             coefficients: solution.coefficients,
         })

@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 
 use super::gram::{COLLINEAR, Correction};
 use super::least_squares::LeastSquares;
-use crate::numerics::statistics::{NORMAL_95, half_width, mean, range};
+use crate::numerics::statistics::{NORMAL_95, half_width, interval, mean, range};
 use crate::numerics::vector::{self, dot};
 
 /// Numbers of points that are tried.
@@ -273,7 +273,7 @@ pub(crate) fn measure(
             let (column, torque_mnm) = (range.start + place, torques_mnm[place]);
             let half = NORMAL_95 * covariance[(column, column)].max(0.0).sqrt();
             let known = squares[place] > shown && half.is_finite();
-            CharacteristicPoint { at: *at, torque_mnm, ci95: known.then_some([torque_mnm - half, torque_mnm + half]) }
+            CharacteristicPoint { at: *at, torque_mnm, ci95: known.then(|| interval(torque_mnm, half)) }
         };
         let points = spline.points.iter().enumerate().map(point).collect();
         curves.push(MeasuredCurve { effect: spline.kind.name, points });

@@ -13,6 +13,8 @@ use crate::numerics::vector;
 pub(crate) const COLLINEAR: f64 = 1e-9;
 /// Noise of a column may make up at most this share of its square to be taken off: beyond, nothing would be left.
 const MOST_NOISE: f64 = 0.5;
+/// Least share of a variance that is taken for left: of less, nothing can be said.
+const LEAST_LEFT: f64 = 0.1;
 /// Stretches of a capture, alternately fitted and predicted.
 const STRETCHES: usize = 16;
 
@@ -145,43 +147,65 @@ impl Solution {
 
     /// Inverse of the fitted columns' Gram matrix; rows and columns of columns that were not fitted are zero.
     pub(crate) fn inverse(&self) -> DMatrix<f64> {
-        let (inverse, count) = (self.factor.inverse(), self.coefficients.len());
-        let mut all = DMatrix::zeros(count, count);
-        for (row, at) in self.fitted.iter().enumerate() {
-            for (column, other) in self.fitted.iter().enumerate() {
-                all[(*at, *other)] = inverse[(row, column)] / (self.lengths[row] * self.lengths[column]);
-            }
-        }
-        all
+        let whitening = self.whitening();
+        whitening.tr_mul(&whitening)
+    }
+
+    /// The coefficients of as many combinations of the columns as were fitted, row by row, that are orthonormal over all rows.
+    fn whitening(&self) -> DMatrix<f64> {
+        let mut whitening = DMatrix::from_fn(self.fitted.len(), self.coefficients.len(), |row, column| {
+            if column == self.fitted[row] { 1.0 / self.lengths[row] } else { 0.0 }
+        });
+        self.factor.l().solve_lower_triangular_mut(&mut whitening);
+        whitening
     }
 
     /// Sum of squares that it leaves of rows with these products.
     pub(crate) fn squares(&self, products: &DMatrix<f64>) -> f64 {
-        let weights = self.weights();
-        weights.dot(&(products * &weights))
+        squares_left(products, &self.coefficients)
     }
 
     /// Covariance of the coefficients for residuals that are correlated within a block and of varying size: the scatter of
-    /// the blocks' own contributions (a sandwich over clusters; Liang and Zeger, Biometrika 73, 1986, 13–22).
+    /// the blocks' own contributions (a sandwich over clusters; Liang and Zeger, Biometrika 73, 1986, 13–22), restored from what the
+    /// fit has taken off it.
+    ///
+    /// Of G blocks that see the columns alike, the fit of any number of columns takes off the share 1/G. Of blocks so short that each
+    /// sees one combination of k columns it takes off k/G. The blocks' own products say what lies between.
     pub(crate) fn covariance_over(&self, blocks: &[DMatrix<f64>]) -> DMatrix<f64> {
-        let count = self.coefficients.len();
-        let weights = self.weights();
-        let mut scatter = DMatrix::zeros(count, count);
+        let count = self.fitted.len();
+        let (weights, whitening) = (weights(&self.coefficients), self.whitening());
+        let [mut scatter, mut lost] = [(); 2].map(|()| DMatrix::<f64>::zeros(count, count));
         for products in blocks {
-            let score = (products * &weights).remove_row(0);
+            let score = &whitening * (products * &weights).remove_row(0);
             scatter += &score * score.transpose();
+            let share = &whitening * products.view_range(1.., 1..) * whitening.transpose();
+            lost += &share * &share;
         }
-        let inverse = self.inverse();
-        &inverse * scatter * &inverse
+        let back = whitening.tr_mul(&restoring(lost));
+        &back * scatter * back.transpose()
     }
+}
 
-    /// Weights with which target and columns add up to minus the residual.
-    fn weights(&self) -> DVector<f64> {
-        DVector::from_iterator(
-            self.coefficients.len() + 1,
-            std::iter::once(-1.0).chain(self.coefficients.iter().copied()),
-        )
+/// (1 − Q)^(−1/2) for the share Q of the scores' covariance that a fit has taken: on both sides of what is left, it restores the whole
+/// (R. M. Bell and D. F. McCaffrey, Survey Methodology 28, 2002, 169–181).
+pub(crate) fn restoring(taken: DMatrix<f64>) -> DMatrix<f64> {
+    if taken.is_empty() {
+        return taken;
     }
+    let left = (DMatrix::identity(taken.nrows(), taken.ncols()) - taken).symmetric_eigen();
+    let powers = DMatrix::from_diagonal(&left.eigenvalues.map(|share| share.max(LEAST_LEFT).powf(-0.5)));
+    &left.eigenvectors * powers * left.eigenvectors.transpose()
+}
+
+/// Sum of squares that coefficients leave of rows with these products, those of the target first.
+pub(crate) fn squares_left(products: &DMatrix<f64>, coefficients: &[f64]) -> f64 {
+    let weights = weights(coefficients);
+    weights.dot(&(products * &weights))
+}
+
+/// Weights with which target and columns add up to minus the residual.
+fn weights(coefficients: &[f64]) -> DVector<f64> {
+    DVector::from_iterator(coefficients.len() + 1, std::iter::once(-1.0).chain(coefficients.iter().copied()))
 }
 
 /// How much the columns beyond the first `base` lower the squared error of blocks that were left out of the fit: the mean of the

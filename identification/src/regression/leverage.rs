@@ -16,13 +16,12 @@ use std::ops::Deref;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+use super::gram::restoring;
 use super::long_run::{PARZEN_SQUARES, kernel_scale};
 use crate::numerics::vector;
 
 /// Most groups of rows that make half of the kernel's width: products of columns vary slowly.
 const GROUPS_PER_HALF: usize = 4;
-/// Least share of a variance that is taken for left: of less, nothing can be said.
-const LEAST_LEFT: f64 = 0.1;
 
 /// Inner products of the fitted columns, scaled to unit length, within the windows of the kernel.
 ///
@@ -91,10 +90,7 @@ impl Leverage {
             (0..count).flat_map(|left| (0..count).map(move |right| (left, right))).map(products).sum::<f64>()
         });
         let lost = &whitening * lost * whitening.transpose() * kernel_scale(self.width);
-        let left = (DMatrix::identity(count, count) - lost).symmetric_eigen();
-        let powers = DMatrix::from_diagonal(&left.eigenvalues.map(|share| share.max(LEAST_LEFT).powf(-0.5)));
-        let enlarged = &left.eigenvectors * powers * left.eigenvectors.transpose();
-        let inner = root * enlarged * whitening;
+        let inner = root * restoring(lost) * whitening;
         for (row, at) in self.active.iter().enumerate() {
             for (column, other) in self.active.iter().enumerate() {
                 correction[(*at, *other)] = inner[(row, column)] * self.lengths[row] / self.lengths[column];

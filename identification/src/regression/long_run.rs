@@ -2,7 +2,7 @@
 //!
 //! Newey and West's estimate with Parzen's kernel and the bandwidth of Andrews (Econometrica 59, 1991, 817–858) from
 //! first-order autocorrelations. Parzen's kernel is a triangle convolved with itself, and a triangle is a box convolved
-//! with itself: with running sums the cost does not depend on the bandwidth, and the result has no negative eigenvalue.
+//! with itself: the result has no negative eigenvalue.
 
 use nalgebra::DMatrix;
 
@@ -10,8 +10,6 @@ use crate::numerics::vector::{self, dot};
 
 /// Places at which half of the kernel is told apart.
 const PLACES_PER_HALF: usize = 16;
-/// Scores whose running sums are taken side by side: one alone would wait for each addition.
-const TOGETHER: usize = 4;
 /// Least bandwidth as a share of the rows.
 const SHARE: f64 = 0.02;
 /// ∫k² of Parzen's kernel from −1 to 1.
@@ -24,16 +22,11 @@ pub(crate) fn covariance(scores: &[Vec<f64>]) -> (DMatrix<f64>, f64) {
     // Neighbours far closer than the bandwidth count as one.
     let group = (half / PLACES_PER_HALF).max(1);
     let width = half.div_ceil(group);
-    let smooth = scores.chunks(TOGETHER).flat_map(|scores| {
-        let mut places = vec![[0.0; TOGETHER]; rows.div_ceil(group)];
-        for (lane, score) in scores.iter().enumerate() {
-            for (place, part) in places.iter_mut().zip(score.chunks(group)) {
-                place[lane] = part.iter().sum();
-            }
-        }
-        triangles(&places, width).into_iter().take(scores.len())
-    });
-    let covariance = vector::gram(&smooth.collect::<Vec<_>>()) * kernel_scale(width);
+    let smooth = |score: &Vec<f64>| {
+        let places: Vec<f64> = score.chunks(group).map(|part| part.iter().sum()).collect();
+        vector::triangle(&places, width)
+    };
+    let covariance = vector::gram(&scores.iter().map(smooth).collect::<Vec<_>>()) * kernel_scale(width);
     (covariance, 2.0 * (width * group) as f64)
 }
 
@@ -41,31 +34,6 @@ pub(crate) fn covariance(scores: &[Vec<f64>]) -> (DMatrix<f64>, f64) {
 pub(crate) fn kernel_scale(width: usize) -> f64 {
     let width = width as f64;
     3.0 / (width * (2.0 * width * width + 1.0))
-}
-
-/// Sums of `width` neighbours, and of those sums again, at every place that any of the values reaches.
-fn triangles(values: &[[f64; TOGETHER]], width: usize) -> [Vec<f64>; TOGETHER] {
-    const NOTHING: [f64; TOGETHER] = [0.0; TOGETHER];
-    let length = values.len() + 2 * (width - 1);
-    let mut smooth = [const { Vec::new() }; TOGETHER];
-    smooth.iter_mut().for_each(|smooth| smooth.reserve_exact(length));
-    let (mut box_sums, mut triangle_sums) = (NOTHING, NOTHING);
-    // The last `width` box sums, the oldest at the place of the next one.
-    let mut recent = vec![NOTHING; width];
-    let mut oldest = 0;
-    for place in 0..length {
-        let fresh = values.get(place).unwrap_or(&NOTHING);
-        let stale = place.checked_sub(width).and_then(|left| values.get(left)).unwrap_or(&NOTHING);
-        let recent = &mut recent[oldest];
-        for lane in 0..TOGETHER {
-            box_sums[lane] += fresh[lane] - stale[lane];
-            triangle_sums[lane] += box_sums[lane] - recent[lane];
-            smooth[lane].push(triangle_sums[lane]);
-        }
-        *recent = box_sums;
-        oldest = if oldest + 1 == width { 0 } else { oldest + 1 };
-    }
-    smooth
 }
 
 fn parzen_bandwidth(scores: &[Vec<f64>], rows: usize) -> f64 {

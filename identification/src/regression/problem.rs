@@ -252,8 +252,7 @@ impl<'a> Problem<'a> {
     /// sum of squares.
     fn gauss_newton(&self, searched: &[Searched], solution: &LeastSquares) -> Option<(DVector<f64>, f64)> {
         let tangents: Vec<Column> = searched.iter().map(|which| self.tangent(*which, &solution.coefficients)).collect();
-        let slope =
-            DVector::from_iterator(tangents.len(), tangents.iter().map(|tangent| dot(tangent, &solution.residual)));
+        let slope = vector::products_with(&tangents, &solution.residual);
         let cross = DMatrix::from_fn(self.columns.len(), tangents.len(), |row, column| {
             dot(&self.columns[row], &tangents[column])
         });
@@ -265,10 +264,16 @@ impl<'a> Problem<'a> {
         Some((step, gain))
     }
 
+    /// Range of the friction's coefficients among all: Coulomb friction, then viscous, of the negative direction first.
+    pub(crate) fn friction(&self) -> Option<std::ops::Range<usize>> {
+        let friction = self.effects.iter().position(|effect| effect.kind().name == effects::friction::KIND.name)?;
+        Some(self.range(friction))
+    }
+
     /// Where the columns of the Coulomb friction are, of the negative direction first, and their sum: that of a friction alike in both.
     pub(crate) fn both_ways(&self) -> Option<([usize; 2], Column)> {
-        let friction = self.effects.iter().position(|effect| effect.kind().name == effects::friction::KIND.name)?;
-        let places = [0, 1].map(|place| self.range(friction).start + place);
+        let friction = self.friction()?;
+        let places = [0, 1].map(|place| friction.start + place);
         let [negative, positive] = places.map(|place| &self.columns[place]);
         Some((places, negative.iter().zip(&**positive).map(|(one, other)| one + other).collect()))
     }

@@ -1,9 +1,8 @@
 //! The parameters with their intervals and, on a simulated rig, the truth.
 
-use std::f64::consts::TAU;
-
 use dynamics::{EffectKind, Model, ParameterKind, effects};
 use identification::Parameter;
+use identification::statistics::nearest_turn;
 use maud::{Markup, html};
 
 use crate::FitPage;
@@ -165,7 +164,7 @@ pub fn true_value(truth: Option<&Model>, name: &str, near: Option<f64>) -> Optio
     Some(if name == detent.parameters[0].name {
         amplitude
     } else if name == detent.parameters[2].name {
-        near.map_or(phase, |near| phase + TAU * ((near - phase) / TAU).round())
+        near.map_or(phase, |near| nearest_turn(phase, near))
     } else {
         value
     })

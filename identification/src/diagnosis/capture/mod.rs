@@ -153,8 +153,6 @@ impl Capture {
             .for_each(|(index, mask)| *mask *= stretches.weight(index / length.max(1)));
         row_filter.checked()?;
         let torque = motion.alike(&uniform.torque_mnm, rate_hz).into_owned();
-        let rate = gradient(&torque, rate_hz);
-        let curvature = gradient(&rate, rate_hz);
         let passed = row_filter.fir.taps().iter().map(|tap| tap * tap).sum::<f64>();
         let white_mnm = (uniform.torque_density * 0.5 * rate_hz * passed).sqrt();
         let resting_mnm = rest_noise::in_rows_mnm(&uniform, &motion, &row_filter, &torque);
@@ -172,7 +170,7 @@ impl Capture {
             angle_step_rad: smallest_step(samples.angle_rad),
             mains,
             notes: uniform.notes,
-            ..Self::without_motion_noise(band, motion, row_filter, [torque, rate, curvature], white_mnm)
+            ..Self::without_motion_noise(band, motion, row_filter, with_derivatives(torque, rate_hz), white_mnm)
         };
         Ok(capture.since(start_s, axis))
     }
@@ -281,10 +279,7 @@ impl Capture {
         if delay_s == 0.0 {
             return Cow::Borrowed(&self.torque);
         }
-        let torque = self.torque_mnm(delay_s);
-        let rate = gradient(&torque, self.rate_hz);
-        let curvature = gradient(&rate, self.rate_hz);
-        Cow::Owned([torque, rate, curvature])
+        Cow::Owned(with_derivatives(self.torque_mnm(delay_s), self.rate_hz))
     }
 
     /// Density of the torque channel's noise in the band, mNm²/Hz.
@@ -328,4 +323,11 @@ impl Capture {
             .map(|index| (self.motion.at(index), self.row_filter.mask[index]))
             .collect()
     }
+}
+
+/// A signal and its first two derivatives by time.
+fn with_derivatives(signal: Vec<f64>, rate_hz: f64) -> [Vec<f64>; 3] {
+    let rate = gradient(&signal, rate_hz);
+    let curvature = gradient(&rate, rate_hz);
+    [signal, rate, curvature]
 }

@@ -5,7 +5,7 @@ use dynamics::Scene;
 use super::Capture;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::statistics::{quantile, rms};
-use crate::samples::span;
+use crate::numerics::vector;
 
 impl Capture {
     /// The scene beside a structure, whose inertia and detents also bound an effect.
@@ -20,13 +20,14 @@ impl Capture {
 
     /// The scene from the motion in which the knob slides.
     pub(super) fn measured_scene(&self) -> Scene {
-        let sliding: Vec<usize> = (0..self.motion.len()).filter(|index| self.row_filter.mask[*index] > 0.0).collect();
-        let angles: Vec<f64> = sliding.iter().map(|index| self.motion.angle_rad[*index]).collect();
-        let mut speeds: Vec<f64> = sliding.iter().map(|index| self.motion.velocity_rad_s[*index].abs()).collect();
-        let lowest_rad = angles.iter().copied().fold(f64::INFINITY, f64::min);
+        let mask = &self.row_filter.mask;
+        let sliding = self.motion.velocity_rad_s.iter().zip(mask).filter(|(_, mask)| **mask > 0.0);
+        let mut speeds: Vec<f64> = sliding.map(|(velocity, _)| velocity.abs()).collect();
+        let extent = vector::extent_where(&self.motion.angle_rad, mask);
+        let (lowest_rad, highest_rad) = extent.unwrap_or((f64::INFINITY, f64::INFINITY));
         Scene {
             lowest_rad,
-            highest_rad: lowest_rad + span(&angles),
+            highest_rad,
             highest_speed_rad_s: speeds.iter().copied().fold(0.0, f64::max),
             median_speed_rad_s: quantile(&mut speeds, 0.5),
             duration_s: self.motion.time_s.last().copied().unwrap_or(0.0) - self.motion.time_s[0],

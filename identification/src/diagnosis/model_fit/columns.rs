@@ -165,13 +165,9 @@ fn slowest(sign: f64, motion: &Motion) -> Motion {
 
 /// Deflection z of the bristles at every sample; unbent at the start.
 fn deflections(bristles: Bristles, motion: &KnobMotion) -> Vec<f64> {
-    let angle = &motion.angle_rad;
-    let mut deflection = 0.0;
-    let mut all = Vec::with_capacity(angle.len());
-    all.push(deflection);
-    for pair in angle.windows(2) {
-        deflection = bristles.bent(deflection, pair[1] - pair[0]);
-        all.push(deflection);
-    }
-    all
+    let bent = motion.angle_rad.windows(2).scan(0.0, |deflection, pair| {
+        *deflection = bristles.bent(*deflection, pair[1] - pair[0]);
+        Some(*deflection)
+    });
+    std::iter::once(0.0).chain(bent).collect()
 }

@@ -12,7 +12,7 @@ use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::free_values::{FreeValue, free_values};
 use crate::diagnosis::model_fit::residuals::{TOGETHER, residual, residuals};
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::numerics::vector::dot;
+use crate::numerics::vector::{self, dot};
 use crate::preparation::row_filter::{row_low_pass, row_step};
 use crate::preparation::uniform::whole;
 use crate::regression::refiner::{self, Ended};
@@ -62,9 +62,7 @@ impl Tangents {
     }
 
     fn normal_equations(&self, left: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
-        let count = self.rows.len();
-        let gram = DMatrix::from_fn(count, count, |row, column| dot(&self.rows[row], &self.rows[column]));
-        (gram, DVector::from_iterator(count, self.rows.iter().map(|tangent| dot(tangent, left))))
+        (vector::gram(&self.rows), vector::products_with(&self.rows, left))
     }
 
     /// Updates the derivatives from the residuals before and after a step (C. G. Broyden, *A class of methods for solving nonlinear simultaneous

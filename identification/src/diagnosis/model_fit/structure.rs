@@ -58,13 +58,8 @@ impl Structure {
 
     /// The structure with one effect more, of which the first `columns` take part; a delay takes the place of the skew.
     pub(crate) fn with(&self, effect: Effect, columns: usize) -> Self {
-        let mut more = self.clone();
-        if matches!(effect.kind().part, Part::ReadingDelay(_)) {
-            more.skew_s = 0.0;
-        }
-        more.effects.push(effect);
-        more.columns.push(columns);
-        more
+        let more = self.with_at(self.effects.len(), effect, columns);
+        if matches!(effect.kind().part, Part::ReadingDelay(_)) { Self { skew_s: 0.0, ..more } } else { more }
     }
 
     /// The structure with one effect more at an index.

@@ -194,7 +194,7 @@ fn stretches(before: &[f64], after: &[f64]) -> Vec<f64> {
     let length = before.len().div_ceil(BLOCKS).max(1);
     let square = |values: &[f64]| dot(values, values);
     // Stretches with hardly any rows must not weigh as much as whole ones.
-    let typical = 0.1 * square(before).min(square(after)) / f64::from(u32::try_from(BLOCKS).unwrap_or(1));
+    let typical = 0.1 * square(before).min(square(after)) / BLOCKS as f64;
     before
         .chunks(length)
         .zip(after.chunks(length))
@@ -202,27 +202,21 @@ fn stretches(before: &[f64], after: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Residual of a structure in a capture that it was not fitted to, without the components that the other capture leaves undetermined.
-/// Effects that belong to a capture and not to the knob are fitted anew.
-fn residual_elsewhere(structure: &Structure, capture: &Capture) -> Vec<f64> {
-    let mut left = residual_as_fitted(structure, capture);
-    capture.leave_undetermined_out(&mut left);
-    left
-}
-
 /// Whether an effect belongs to a capture and not to the knob, as a hum does.
 fn is_per_capture(effect: &Effect) -> bool {
     effect.kind().hypothesis.is_some_and(|hypothesis| hypothesis.per_capture)
 }
 
-fn residual_as_fitted(structure: &Structure, capture: &Capture) -> Vec<f64> {
+/// Residual of a structure in a capture that it was not fitted to, without the components that the other capture leaves undetermined.
+/// Effects that belong to a capture and not to the knob are fitted anew.
+fn residual_elsewhere(structure: &Structure, capture: &Capture) -> Vec<f64> {
     let own: Vec<usize> =
         (0..structure.effects.len()).filter(|index| is_per_capture(&structure.effects[*index])).collect();
-    if own.is_empty() {
-        return residuals::residual(structure, capture);
+    let mut left = residuals::residual(&structure.without_all(&own), capture);
+    if !own.is_empty() {
+        let rows: Vec<Vec<f64>> = own.iter().flat_map(|index| capture.rows_of(structure, *index)).collect();
+        left = LeastSquares::held(&rows, &left, &vec![false; rows.len()], &[]).residual;
     }
-    let rows: Vec<Vec<f64>> = own.iter().flat_map(|index| capture.rows_of(structure, *index)).collect();
-    let rest = structure.without_all(&own);
-    let left = residuals::residual(&rest, capture);
-    LeastSquares::held(&rows, &left, &vec![false; rows.len()], &[]).residual
+    capture.leave_undetermined_out(&mut left);
+    left
 }

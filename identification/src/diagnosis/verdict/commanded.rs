@@ -1,9 +1,10 @@
 //! Motion predicted from the torque commanded from the rig's motor, without the torque sensor's readings.
 
 use dynamics::simulate::{RigMotor, forward_windows_from_command};
-use dynamics::{Calibration, Model, Motion};
+use dynamics::{Calibration, Model};
 
 use super::FORWARD_WINDOW_S;
+use crate::calibration::acting_mnm;
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::findings::ForwardFromCommand;
 use crate::numerics::statistics::rms;
@@ -34,11 +35,9 @@ pub(crate) fn forward(
         commanded.ok_or("a capture has no column of commanded torque; captures of a rig have one")?;
     let known = known.ok_or("nothing is known of the rig's motor without a calibration; lay one beside the capture")?;
     // The torque that the motor's known cogging takes is subtracted from the command.
-    let cogging = known.motor_cogging.as_deref().unwrap_or_default();
-    let cogging_mnm = |motion: &Motion| cogging.iter().map(|harmonic| harmonic.at_mnm(motion.angle_rad)).sum::<f64>();
     let on_grid = |commanded: CommandedTorque<'_>, capture: &Capture| -> Vec<f64> {
         let commands_mnm = on_grid(commanded, capture).into_iter().zip(capture.motions());
-        commands_mnm.map(|(command_mnm, motion)| command_mnm - cogging_mnm(motion)).collect()
+        commands_mnm.map(|(command_mnm, motion)| command_mnm - known.motor_cogging_mnm(motion.angle_rad)).collect()
     };
     let motor = motor(known.motor_inertia, train, &on_grid(of_train, train))
         .ok_or("the training capture does not tell the motor's friction; turn the knob faster, both ways")?;
@@ -78,9 +77,8 @@ fn motor(inertia: f64, capture: &Capture, commands_mnm: &[f64]) -> Option<RigMot
     let torque_mnm = capture.torque_mnm(0.0);
     let (motions, velocity) = (capture.motions(), &capture.motion.velocity_rad_s);
     let slow_rad_s = SLOW * rms(velocity);
-    // A command is held for one period, and a sample falls where one gives way to the next: their mean acts.
-    let acting_mnm = |at: usize| 0.5 * (commands_mnm[at.saturating_sub(1)] + commands_mnm[at]);
-    let lost_mnm = |at: usize| acting_mnm(at) - torque_mnm[at] - inertia * motions[at].acceleration_rad_s2;
+    let lost_mnm =
+        |at: usize| acting_mnm(commands_mnm, at) - torque_mnm[at] - inertia * motions[at].acceleration_rad_s2;
     let is_known = |at: &usize| velocity[*at].abs() > slow_rad_s && lost_mnm(*at).is_finite();
     let rows: Vec<usize> = (0..motions.len()).filter(is_known).collect();
     let column = |of: &dyn Fn(usize) -> f64| rows.iter().map(|at| of(*at)).collect::<Vec<f64>>();

@@ -49,10 +49,16 @@ pub(crate) fn spread(kept: &[f64], taps: &[f64], step: usize, output: &mut [f64]
 /// Differences across one to four samples on either side, weighted and summed; none for the four samples at each end.
 pub(crate) fn differences(signal: &[f64], weights: [f64; 4], output: &mut [f64]) {
     widest!({
-        for (slot, near) in output.iter_mut().zip(signal.array_windows::<9>()) {
-            *slot = (0..4).map(|place| weights[place] * (near[5 + place] - near[3 - place])).sum();
+        for (slot, near) in output.iter_mut().zip(signal.array_windows()) {
+            *slot = difference(near, weights);
         }
     });
+}
+
+/// The same at one sample, from those around it.
+#[inline(always)]
+pub(crate) fn difference(near: &[f64; 9], weights: [f64; 4]) -> f64 {
+    (0..4).map(|place| weights[place] * (near[5 + place] - near[3 - place])).sum()
 }
 
 /// How many fourth differences lie below a limit.

@@ -21,12 +21,12 @@ mod windows;
 
 use std::ops::Deref;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use pulp::NullaryFnOnce;
 
 pub(crate) use angles::{share_out, share_out_together, sines};
 pub(crate) use checks::{all_finite, extent, extent_where, rises, smallest_step};
-pub(crate) use filters::{decimate, differences, small_fourth_differences, spread};
+pub(crate) use filters::{decimate, difference, differences, small_fourth_differences, spread};
 pub(crate) use windows::{grouped_products, triangle};
 
 /// Rows that are looked at together: a dozen columns of them stay in the first-level cache.
@@ -69,11 +69,7 @@ fn dot_inline(left: &[f64], right: &[f64]) -> f64 {
 
 /// Inner products of the columns from `from` on with all up to themselves, written to both triangles of `products`.
 pub(crate) fn products<C: Deref<Target = [f64]>>(columns: &[C], from: usize, products: &mut DMatrix<f64>) {
-    for row in from..columns.len() {
-        for column in 0..=row {
-            products[(row, column)] = 0.0;
-        }
-    }
+    products.rows_mut(from, columns.len() - from).fill(0.0);
     let rows = columns.first().map_or(0, |column| column.len());
     widest!({
         for start in (0..rows).step_by(BLOCK) {
@@ -86,11 +82,7 @@ pub(crate) fn products<C: Deref<Target = [f64]>>(columns: &[C], from: usize, pro
             }
         }
     });
-    for row in from..columns.len() {
-        for column in 0..row {
-            products[(column, row)] = products[(row, column)];
-        }
-    }
+    products.fill_upper_triangle_with_lower_triangle();
 }
 
 /// Inner products of all columns.
@@ -98,6 +90,11 @@ pub(crate) fn gram<C: Deref<Target = [f64]>>(columns: &[C]) -> DMatrix<f64> {
     let mut gram = DMatrix::zeros(columns.len(), columns.len());
     products(columns, 0, &mut gram);
     gram
+}
+
+/// Inner products of columns with one more.
+pub(crate) fn products_with<C: Deref<Target = [f64]>>(columns: &[C], other: &[f64]) -> DVector<f64> {
+    DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, other)))
 }
 
 /// Writes target − Σ coefficient · column to `residual` and returns its inner product with every column, in one pass.

@@ -20,6 +20,11 @@ impl Sections {
         &self.sections
     }
 
+    /// One section (b0, b1, b2, 1, a1, a2).
+    pub(crate) fn of_one(section: [f64; 6]) -> Self {
+        Self { sections: vec![section] }
+    }
+
     /// Pairs each pair of poles with its nearest zeros; the pair closest to the unit circle comes last.
     pub(super) fn from_zeros_poles(zeros: &[Complex<f64>], poles: &[Complex<f64>], gain: f64) -> Self {
         let (mut zeros, mut poles) = (zeros.to_vec(), poles.to_vec());

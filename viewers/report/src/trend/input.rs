@@ -1,9 +1,8 @@
 //! What the page of a trend is made of; it serialises to what `trend --json` gives.
 
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 
-use identification::statistics::student_95;
+use identification::statistics::{mean_angle, nearest_turn, student_95};
 use serde::Serialize;
 
 /// Parameters over time, group by group.
@@ -134,13 +133,9 @@ impl TrendParameter {
 
 /// Moves phases by whole turns to within half a turn of their mean on the circle.
 fn put_on_one_turn(phases: &mut [TrendPoint]) {
-    let (sine, cosine) = phases.iter().fold((0.0, 0.0), |(sine, cosine), phase| {
-        let (of_sine, of_cosine) = phase.value.sin_cos();
-        (sine + of_sine, cosine + of_cosine)
-    });
-    let centre: f64 = f64::atan2(sine, cosine);
+    let centre_rad = mean_angle(phases.iter().map(|phase| (phase.value, 1.0)));
     for phase in phases {
-        let by = TAU * ((centre - phase.value) / TAU).round();
+        let by = nearest_turn(phase.value, centre_rad) - phase.value;
         phase.value += by;
         phase.ci95 = phase.ci95.map(|ends| ends.map(|end| end + by));
     }

@@ -47,8 +47,7 @@ fn starts(kind: &'static EffectKind, scene: &Scene) -> Option<Vec<Effect>> {
     let of_a_line = kind.parameters_of_a_line();
     for search in kind.searches().iter().filter(|search| search.parameter < of_a_line) {
         let values = search.values(scene);
-        let at = |start: Effect, value: f64| {
-            let mut start = start;
+        let at = |mut start: Effect, value: f64| {
             start.values_mut()[search.parameter] = value;
             start
         };

@@ -103,8 +103,11 @@ fn with_a_line_more<'a>(fit: &Separable<'a>) -> Option<Separable<'a>> {
     let may_have_more = used < kind.parameters.len() && fit.structure.has_detents();
     kind.hypothesis.filter(|hypothesis| hypothesis.lines > 1 && may_have_more)?;
     let coarse = Coarse::of(fit);
-    let probes = starts(kind, &fit.capture.scene_of(&fit.structure))?;
-    let (_, probe) = probes.into_iter().map(|probe| (coarse.gain(&probe), probe)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let scene = fit.capture.scene_of(&fit.structure);
+    // At the detents' own frequency two sinusoids of any size would cancel each other.
+    let is_apart = |per_turn: f64| cogging::is_apart_from_the_detents(per_turn, &scene);
+    let probes = starts(kind, &scene)?.into_iter().filter(|probe| is_apart(probe.values()[1]));
+    let (_, probe) = probes.map(|probe| (coarse.gain(&probe), probe)).max_by(|a, b| a.0.total_cmp(&b.0))?;
     let mut more = effect;
     let each = kind.parameters_of_a_line();
     more.values_mut()[used..used + each].copy_from_slice(&probe.values()[..each]);
@@ -112,8 +115,10 @@ fn with_a_line_more<'a>(fit: &Separable<'a>) -> Option<Separable<'a>> {
         Separable::new(fit.structure.without(index).with(more, columns + kind.columns_of_a_line()), fit.capture);
     fit.refine_newest(ROUNDS);
     let values = fit.structure.effects[index].values();
-    let scene = fit.capture.scene_of(&fit.structure);
-    let is_new = cogging::lines_are_resolved(values, &scene) && !cogging::is_of_the_detents(values[used + 1], &scene);
+    let per_turn = values[used + 1];
+    let is_new = cogging::lines_are_resolved(values, &scene)
+        && is_apart(per_turn)
+        && !cogging::is_of_the_detents(per_turn, &scene);
     (is_new && on_bound(&fit.structure, fit.capture).is_none()).then_some(fit)
 }
 
