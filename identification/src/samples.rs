@@ -1,7 +1,7 @@
 //! The samples of a capture, and why they may be unfit for a fit.
 
 use crate::numerics::vector;
-use crate::preparation::uniform::typical_step;
+use crate::preparation::clock::typical_step;
 
 /// A capture's columns, borrowed. All have one length.
 #[derive(Clone, Copy, Debug)]
@@ -30,13 +30,17 @@ pub(crate) struct PickedSamples {
 impl PickedSamples {
     /// The samples at these indices.
     pub(crate) fn of(samples: &Samples<'_>, indices: &[usize]) -> Self {
-        let picked = |column: &[f64]| indices.iter().map(|index| column[*index]).collect::<Vec<f64>>();
+        Self::mapped(samples, |column| indices.iter().map(|index| column[*index]).collect())
+    }
+
+    /// Every column of these samples changed in the same way.
+    pub(crate) fn mapped(samples: &Samples<'_>, map: impl Fn(&[f64]) -> Vec<f64> + Copy) -> Self {
         Self {
-            t_s: picked(samples.t_s),
-            angle_rad: picked(samples.angle_rad),
-            velocity_rad_s: samples.velocity_rad_s.map(picked),
-            acceleration_rad_s2: samples.acceleration_rad_s2.map(picked),
-            torque_mnm: picked(samples.torque_mnm),
+            t_s: map(samples.t_s),
+            angle_rad: map(samples.angle_rad),
+            velocity_rad_s: samples.velocity_rad_s.map(map),
+            acceleration_rad_s2: samples.acceleration_rad_s2.map(map),
+            torque_mnm: map(samples.torque_mnm),
         }
     }
 

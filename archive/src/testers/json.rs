@@ -31,7 +31,9 @@ pub(super) fn read(path: &Path) -> Result<Curve, ArchiveError> {
     let text = foreign_files::read_text(path).map_err(|error| ArchiveError::file(path, error))?;
     let PressAndReturn { down_x, down_y, mut up_x, mut up_y } =
         serde_json::from_str(text.trim_start_matches('\u{feff}')).map_err(|error| {
-            wrong(path, format!("it is no JSON object of number lists down_x, down_y, up_x and up_y ({error})"))
+            wrong(path, format!(
+                "of JSON files only presses are read, with number lists down_x, down_y, up_x and up_y ({error}); save a capture as CSV or MCAP"
+            ))
         })?;
     if down_x.len() != down_y.len() || up_x.len() != up_y.len() {
         return Err(wrong(path, "down_x and down_y, or up_x and up_y, differ in length".to_owned()));

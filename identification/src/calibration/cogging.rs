@@ -20,7 +20,8 @@ use crate::Samples;
 use crate::estimate::Harmonic;
 use crate::numerics::derivative::gradient;
 use crate::numerics::statistics::{half_width, median};
-use crate::preparation::uniform::{Uniform, whole};
+use crate::preparation::clock::whole;
+use crate::preparation::uniform::Uniform;
 use crate::samples::{FEWEST_SAMPLES, span};
 use crate::sinusoids::matching_pursuit;
 

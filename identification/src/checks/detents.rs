@@ -5,7 +5,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use dynamics::Direction;
 
 use crate::numerics::statistics::{mean, median, running, runs, student_95, without_line};
-use crate::preparation::uniform::typical_step;
+use crate::preparation::clock::typical_step;
 use crate::samples::{FitError, Samples, span};
 
 /// Correlation of the two directions' torques over angle from which they show detents.

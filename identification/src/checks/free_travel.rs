@@ -3,8 +3,8 @@
 use dynamics::Calibration;
 
 use crate::numerics::statistics::mean;
+use crate::preparation::clock::typical_step;
 use crate::preparation::compliance::knob_angle_rad;
-use crate::preparation::uniform::typical_step;
 use crate::samples::{FitError, Samples};
 
 /// Time over which torque and angle are averaged, s.

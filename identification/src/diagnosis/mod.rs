@@ -17,7 +17,7 @@ pub use findings::{
     Characteristic, Diagnosis, FLOOR_IS_DOUBTFUL, ForwardFromCommand, NextExperiment, Partial, Rival, Row, Step, Value,
     Verdict,
 };
-pub use verdict::FORWARD_WINDOW_S;
+pub use search::forward::FORWARD_WINDOW_S;
 pub use verdict::commanded::CommandedTorque;
 pub use verdict::locate::Location;
 pub use workflow::{DiagnoseOptions, Progress, diagnose, diagnose_either_way};

@@ -12,8 +12,9 @@ use super::search::Search;
 use super::search::acceptance::explains_the_gap;
 use super::search::found::Found;
 use super::verdict::commanded::CommandedTorque;
+use crate::fit::{fit_in_time, opposite_signs};
 use crate::quasi_static::Map;
-use crate::{FitError, Samples};
+use crate::{FitError, FitOptions, Samples};
 
 /// Largest noise of acceleration, as a share of its RMS: with more, inertia is underrated by more than a hundredth.
 const NOISIEST: f64 = 0.1;
@@ -39,6 +40,19 @@ pub struct DiagnoseOptions<'a> {
     pub commanded: Option<[CommandedTorque<'a>; 2]>,
     /// Called as the work goes on.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
+}
+
+impl DiagnoseOptions<'_> {
+    /// The options of the fit from which a diagnosis begins.
+    pub(super) fn of_fit(&self) -> FitOptions {
+        FitOptions {
+            calibration: self.calibration.clone(),
+            // A pressed control has a curve instead of detents.
+            characteristic: !self.axis.is_rotary(),
+            axis: self.axis,
+            ..FitOptions::default()
+        }
+    }
 }
 
 /// How far a diagnosis has come.
@@ -165,6 +179,12 @@ pub fn diagnose(
         diagnosis.notes.extend(comparison.within(train_capture, given).map(|_| BEYOND.to_owned()));
         diagnosis.notes.extend(undetermined.as_ref().map(Undetermined::note));
         diagnosis.notes.extend(faults(train_capture, heldout.map(|_| given)));
+        if verdict == Verdict::OutsideLibrary && options.model.is_none() {
+            let of_fit = options.of_fit();
+            let fit = fit_in_time(train, &of_fit).ok();
+            // This note comes first, since opposite signs explain any other.
+            diagnosis.notes.splice(0..0, fit.and_then(|fit| opposite_signs(train, &of_fit, &fit)));
+        }
         return Ok(diagnosis);
     }
 }

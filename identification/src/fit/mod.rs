@@ -8,6 +8,7 @@ pub(crate) mod report;
 mod shift;
 mod trimmed;
 
+use self::report::constant_torque;
 use crate::estimate::Fit;
 use crate::options::{AccelerationUse, FitOptions, PreparationMethod};
 use crate::preparation::Prepared;
@@ -78,7 +79,7 @@ const IN_DOUBT_PERCENT: f64 = 20.0;
 const BETTER: f64 = 0.75;
 
 /// A note on torque and angle of opposite signs, to which no inertia and no friction can be fitted.
-fn opposite_signs(samples: &Samples<'_>, options: &FitOptions, fit: &Fit) -> Option<String> {
+pub(crate) fn opposite_signs(samples: &Samples<'_>, options: &FitOptions, fit: &Fit) -> Option<String> {
     if fit.relative_error_percent < IN_DOUBT_PERCENT {
         return None;
     }
@@ -139,7 +140,8 @@ fn fit_moving(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitErr
         solved.no_detents = Some(NO_DETENTS.to_owned());
         let curves = solved.problem.both_ways().map(|(_, both)| CurveProjection::new(&measured, &both));
         let fit = first.report(solved, curves, &uniform, samples, &options);
-        return Ok(Fit { characteristics: measured.curves, ..fit });
+        let notes = fit.notes.iter().cloned().chain(constant_torque(&measured.curves, &fit.parameters)).collect();
+        return Ok(Fit { characteristics: measured.curves, notes, ..fit });
     }
     let solved = first.solve(samples, options);
     let Some(wider) = first.band_for(&solved) else {

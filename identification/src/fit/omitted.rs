@@ -127,6 +127,7 @@ fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
     let (low_rad, high_rad) = vector::extent_where(&motion.angle_rad, &row_filter.mask).unwrap_or((0.0, 0.0));
     let is_short_travel = high_rad - low_rad < FAR_RAD;
     let middle_rad = 0.5 * (low_rad + high_rad);
+    let middle_s = 0.5 * (motion.time_s[0] + motion.time_s[motion.len() - 1]);
     let rows = row_filter.rows_of(9, |range, columns| {
         let [sine, cosine, angle, eccentric_sine, eccentric_cosine, drift, friction_drift, slow, drag] = columns else {
             return;
@@ -137,22 +138,27 @@ fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
             let sign = motion.at(at).velocity_sign();
             angle[place] = motion.angle_rad[at] - middle_rad;
             (eccentric_sine[place], eccentric_cosine[place]) = (sign * sine[place], sign * cosine[place]);
-            drift[place] = motion.time_s[at] - motion.time_s[0];
+            // Friction beside a torque that drifts is that of the middle of the capture.
+            drift[place] = motion.time_s[at] - middle_s;
             friction_drift[place] = sign * drift[place];
             slow[place] = sign / (1.0 + velocity_rad_s.abs() / friction_speed_rad_s);
             drag[place] = velocity_rad_s * velocity_rad_s.abs();
         }
     });
     let mut rows = rows.into_iter().map(Column::from);
-    let mut group = |name: &str, columns, is_beyond_friction| Group {
+    let mut group = |name: &str, are_beyond_friction: &[bool]| Group {
         name: name.to_owned(),
-        columns: rows.by_ref().take(columns).map(|column| Omitted { column, is_beyond_friction }).collect(),
+        columns: are_beyond_friction
+            .iter()
+            .zip(rows.by_ref())
+            .map(|(is_beyond_friction, column)| Omitted { column, is_beyond_friction: *is_beyond_friction })
+            .collect(),
     };
     [
-        group("a torque over the angle, as of a weight or a spring,", 3, is_short_travel),
-        group("friction that differs over the angle", 2, true),
-        group("torque or friction that drifts", 2, true),
-        group("friction that is not linear in the speed", 2, true),
+        group("a torque over the angle, as of a weight or a spring,", &[is_short_travel; 3]),
+        group("friction that differs over the angle", &[true; 2]),
+        group("torque or friction that drifts", &[false, true]),
+        group("friction that is not linear in the speed", &[true; 2]),
     ]
 }
 

@@ -11,6 +11,7 @@ use crate::estimate::{Covariance, Fit, Parameter, Parameters, Point};
 use crate::numerics::statistics::{NORMAL_95, deviation_of_sum, mean, plus_minus, rms, student_95};
 use crate::numerics::vector::{self, dot};
 use crate::preparation::band::Band;
+use crate::regression::characteristic::MeasuredCurve;
 use crate::regression::least_squares::RobustCovariance;
 use crate::regression::problem::Problem;
 
@@ -387,6 +388,19 @@ pub(crate) fn one_sided_friction([negative, positive]: [f64; 2]) -> Option<Strin
             "the Coulomb friction differs by {:.4} mNm between the directions: a constant torque of half as much, such as a weight or \
              the sensor's zero, looks the same",
             (positive - negative).abs()
+        )
+    })
+}
+
+/// A note on a measured curve whose mean may be friction that differs between the directions; `None` where it is small.
+pub(super) fn constant_torque(curves: &[MeasuredCurve], parameters: &Parameters) -> Option<String> {
+    let curve = curves.iter().find(|curve| curve.effect == effects::angle_characteristic::KIND.name)?;
+    let mean_mnm = mean(&curve.points.iter().map(|point| point.torque_mnm).collect::<Vec<f64>>());
+    let friction_mnm = parameters.get("coulomb_positive")?.value?;
+    (mean_mnm.abs() > ONE_SIDED * friction_mnm).then(|| {
+        format!(
+            "the measured torque over the angle is {mean_mnm:+.4} mNm on average: a constant torque such as a weight, or half of a difference \
+             of the Coulomb friction between the directions, looks the same; the friction is the mean of both"
         )
     })
 }

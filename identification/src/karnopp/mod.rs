@@ -126,10 +126,10 @@ impl Stick {
 
     fn too_few(&self, direction: &str, seen: &Readings) -> String {
         format!(
-            "the knob came to rest {} and broke away in the {direction} direction {} so that it could be read off, but \
-             {} breakaways are needed; hold it still between slow sweeps",
-            times(self.rests),
-            times(seen.values.len()),
+            "breakaways in the {direction} direction that can be read off: {} after {} rests of the knob, but {} are needed; hold it \
+             still between slow sweeps",
+            seen.values.len(),
+            self.rests,
             FEWEST_READINGS
         )
     }
@@ -138,9 +138,9 @@ impl Stick {
     fn speed(&self, kind: &ParameterKind) -> Parameter {
         let parameter = self.arrivals_rad_s.parameter(kind, || {
             format!(
-                "the knob came to rest {}, of which {} can be read for its speed, but {} are needed; \
-                 from {:.4} rad/s on this capture can tell it from rest",
-                times(self.rests),
+                "rests of the knob whose beginning shows a speed: {1} of {0}, but {2} are needed; \
+                 from {3:.4} rad/s on this capture can tell it from rest",
+                self.rests,
                 self.arrivals_rad_s.values.len(),
                 FEWEST_READINGS,
                 self.resolved_rad_s
@@ -173,16 +173,6 @@ fn breakaway(
     }
     let (received_mnm, delay) = uniform.received_torque();
     Some(ramp_end(received_mnm, delay, away.instant, length)? - slide.angle_torque_mnm(away.rest_rad))
-}
-
-/// A number of times in words that read well.
-fn times(count: usize) -> String {
-    match count {
-        0 => "never".to_owned(),
-        1 => "once".to_owned(),
-        2 => "twice".to_owned(),
-        more => format!("{more} times"),
-    }
 }
 
 /// Whether a rest lasts longer than a mere turning point would stay within the tolerance. The turning point is made of two

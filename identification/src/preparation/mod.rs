@@ -2,6 +2,7 @@
 //! leaves out standstill, gaps and saturation.
 
 pub(crate) mod band;
+pub(crate) mod clock;
 pub(crate) mod compliance;
 pub(crate) mod encoder_step;
 pub mod filter;
@@ -9,6 +10,7 @@ pub(crate) mod fixed_preparation;
 mod fusion;
 pub(crate) mod motion;
 pub(crate) mod outliers;
+mod repeated_rows;
 pub(crate) mod row_filter;
 pub(crate) mod sampling;
 pub(crate) mod saturation;

@@ -7,9 +7,10 @@ use std::ops::Range;
 use dynamics::{Effect, effects};
 
 use super::band::Band;
+use super::clock::whole;
 use super::filter::Fir;
 use super::motion::KnobMotion;
-use super::uniform::{Uniform, whole};
+use super::uniform::Uniform;
 use crate::numerics::fourier::Response;
 use crate::numerics::statistics::{rms, runs};
 use crate::numerics::vector;

@@ -64,7 +64,7 @@ impl Saturation {
             (None, None) => return None,
         };
         Some(format!(
-            "the {channel} channel stands at {ends} for {} samples in {} stretches, which the fit leaves out: excite the \
+            "the {channel} channel stands at {ends} for {} samples (stretches: {}), which the fit leaves out: excite the \
              knob less, or use a sensor with a wider range",
             self.samples(),
             self.runs.len()
@@ -102,7 +102,7 @@ pub(crate) fn frozen_note(runs: &[Range<usize>]) -> Option<String> {
     let samples: usize = runs.iter().map(ExactSizeIterator::len).sum();
     (samples > 0).then(|| {
         format!(
-            "the angle stands still for {samples} samples in {} stretches and then jumps, while the torque moves: the encoder \
+            "the angle stands still for {samples} samples (stretches: {}) and then jumps, while the torque moves: the encoder \
              missed the motion, and the fit leaves them out; check the encoder and its cable",
             runs.len()
         )

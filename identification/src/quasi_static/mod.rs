@@ -15,7 +15,7 @@ use crate::estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 use crate::fit::report::{one_sided_friction_of, prediction_sd};
 use crate::numerics::statistics::{NORMAL_95, interval, mean, noise_deviation, range};
 use crate::options::FitOptions;
-use crate::preparation::uniform::typical_step;
+use crate::preparation::clock::typical_step;
 use crate::regression::block_sums::{BlockSums, Estimate, critical};
 use crate::regression::characteristic::Spline;
 use crate::samples::Samples;

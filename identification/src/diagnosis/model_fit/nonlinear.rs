@@ -13,8 +13,8 @@ use crate::diagnosis::model_fit::free_values::{FreeValue, free_values};
 use crate::diagnosis::model_fit::residuals::{TOGETHER, residual, residuals};
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::vector::{self, dot};
+use crate::preparation::clock::whole;
 use crate::preparation::row_filter::{row_low_pass, row_step};
-use crate::preparation::uniform::whole;
 use crate::regression::refiner::{self, Ended};
 
 /// Edges of the bands of slow motion that are fitted one after the other, as shares of the comparison's, and steps in

@@ -3,6 +3,7 @@
 pub(crate) mod acceptance;
 pub(crate) mod both_captures;
 pub(crate) mod characteristic;
+pub(crate) mod forward;
 pub(crate) mod found;
 pub(crate) mod hypotheses;
 pub(crate) mod judged;
@@ -31,7 +32,7 @@ use crate::diagnosis::workflow::{DiagnoseOptions, Progress};
 use crate::fit::fit_in_time;
 use crate::numerics::statistics::false_discovery_rate;
 use crate::numerics::vector::dot;
-use crate::{FitError, FitOptions, Samples};
+use crate::{FitError, Samples};
 
 /// Most effects that are added.
 pub(crate) const MOST_EFFECTS: usize = 4;
@@ -68,14 +69,7 @@ impl<'a> Search<'a> {
         let effects: Vec<Effect> = match &self.options.model {
             Some(model) => model.effects.clone(),
             None => {
-                let options = FitOptions {
-                    calibration: self.options.calibration.clone(),
-                    // A pressed control has a curve instead of detents.
-                    characteristic: !self.options.axis.is_rotary(),
-                    axis: self.options.axis,
-                    ..FitOptions::default()
-                };
-                match fit_in_time(samples, &options) {
+                match fit_in_time(samples, &self.options.of_fit()) {
                     // A map's fit has a table of the sinusoids beside the detents: they are left for the search to find.
                     Ok(fit) if self.train.is_map && self.options.axis.is_rotary() => {
                         fit.effects().iter().filter(|effect| effect.table().is_none()).copied().collect()
@@ -276,6 +270,7 @@ impl<'a> Search<'a> {
         let both = after.fitted_to_both(self.train, self.heldout);
         (!self.is_nothing(after) || explains_surely(before, after) || self.shows_in_both(before, after, &both))
             && self.is_better_than_other_values(before, &both)
+            && !self.moves_worse(before, after)
     }
 
     /// Whether an effect that the training capture leaves open predicts the other one better than chance, and differs from zero in both

@@ -213,9 +213,23 @@ impl Search<'_> {
             .map(|parameter| format!("{parameter} stands on the bound of what this capture could show"))
     }
 
-    /// Whether the last effect may be absent: the intervals of all parameters that scale its torque contain zero.
+    /// Whether the last effect may be absent: the intervals of all parameters that scale its torque contain zero, or it may act below the least
+    /// speed that is looked for, where it cannot be told from Coulomb friction.
     pub(crate) fn is_nothing(&self, judged: &Judged) -> bool {
-        may_be_zero(&judged.structure, intervals::given_straight_ends(&judged.structure, self.train))
+        let structure = &judged.structure;
+        let values = intervals::given_straight_ends(structure, self.train);
+        self.may_be_coulomb_friction(structure, &values) || may_be_zero(structure, values)
+    }
+
+    fn may_be_coulomb_friction(&self, structure: &Structure, values: &[BTreeMap<&'static str, Value>]) -> bool {
+        let (Some(effect), Some(values)) = (structure.effects.last(), values.last()) else { return false };
+        let scene = self.train.scene_of(structure);
+        effect.kind().searches().iter().any(|search| {
+            let parameter = &effect.kind().parameters[search.parameter];
+            let least = search.range_in(&scene).filter(|_| parameter.unit == "rad/s").map(|(least, _)| least);
+            let low = values.get(parameter.name).and_then(|value| value.ci95).map(|[low, _]| low);
+            least.zip(low).is_some_and(|(least, low)| low <= least)
+        })
     }
 
     /// Whether the last effect is the first torque that repeats with the angle: the detents, which the model lacks.

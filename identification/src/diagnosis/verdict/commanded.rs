@@ -3,10 +3,10 @@
 use dynamics::simulate::{RigMotor, forward_windows_from_command};
 use dynamics::{Calibration, Model};
 
-use super::FORWARD_WINDOW_S;
 use crate::calibration::acting_mnm;
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::findings::ForwardFromCommand;
+use crate::diagnosis::search::forward::FORWARD_WINDOW_S;
 use crate::numerics::statistics::rms;
 use crate::regression::least_squares::LeastSquares;
 

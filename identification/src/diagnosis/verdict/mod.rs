@@ -8,7 +8,7 @@ mod shown_in_part;
 
 use std::collections::BTreeMap;
 
-use dynamics::{Model, effects, simulate};
+use dynamics::{Model, effects};
 
 use self::locate::locate;
 use crate::diagnosis::capture::{Capture, SLIDING, rows};
@@ -31,8 +31,6 @@ use crate::numerics::vector::dot;
 const CERTAINLY_LEFT: f64 = 2.0;
 /// Correlation of the ranks of time and speed from which their effects cannot be separated.
 const INSEPARABLE: f64 = 0.98;
-/// Time over which motion is predicted from torque before it is started anew, s.
-pub const FORWARD_WINDOW_S: f64 = 0.1;
 
 /// Advice on a residual without a name, by the coordinate on which it depends, if any.
 fn next_step(coordinate: Option<&str>) -> &'static str {
@@ -240,21 +238,6 @@ impl Search<'_> {
             }
         }
         values
-    }
-
-    /// Error of the held-out motion predicted from the torque, with the first and with the final model.
-    fn forward_angle_rms_rad(&self, first: &Structure, last: &Structure) -> Option<[f64; 2]> {
-        let predicted = |structure: &Structure| {
-            if self.train.is_map {
-                return None;
-            }
-            let readings_mnm = self.heldout.torque_mnm(structure.skew_s);
-            let (model, motions) = (structure.model(), self.heldout.motions());
-            let errors = simulate::forward_windows(&model, motions, &readings_mnm, FORWARD_WINDOW_S).ok()?;
-            errors.angle_rms_rad.is_finite().then_some(errors.angle_rms_rad)
-        };
-        let (first, last) = rayon::join(|| predicted(first), || predicted(last));
-        Some([first?, last?])
     }
 
     fn relative_error_percent(&self, judged: &Judged) -> f64 {
