@@ -127,7 +127,6 @@ fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
     let (low_rad, high_rad) = vector::extent_where(&motion.angle_rad, &row_filter.mask).unwrap_or((0.0, 0.0));
     let is_short_travel = high_rad - low_rad < FAR_RAD;
     let middle_rad = 0.5 * (low_rad + high_rad);
-    let middle_s = 0.5 * (motion.time_s[0] + motion.time_s[motion.len() - 1]);
     let rows = row_filter.rows_of(9, |range, columns| {
         let [sine, cosine, angle, eccentric_sine, eccentric_cosine, drift, friction_drift, slow, drag] = columns else {
             return;
@@ -138,8 +137,7 @@ fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
             let sign = motion.at(at).velocity_sign();
             angle[place] = motion.angle_rad[at] - middle_rad;
             (eccentric_sine[place], eccentric_cosine[place]) = (sign * sine[place], sign * cosine[place]);
-            // Friction beside a torque that drifts is that of the middle of the capture.
-            drift[place] = motion.time_s[at] - middle_s;
+            drift[place] = motion.time_s[at] - motion.time_s[0];
             friction_drift[place] = sign * drift[place];
             slow[place] = sign / (1.0 + velocity_rad_s.abs() / friction_speed_rad_s);
             drag[place] = velocity_rad_s * velocity_rad_s.abs();
@@ -158,7 +156,7 @@ fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
         group("a torque over the angle, as of a weight or a spring,", &[is_short_travel; 3]),
         group("friction that differs over the angle", &[true; 2]),
         group("torque or friction that drifts", &[false, true]),
-        group("friction that is not linear in the speed", &[true; 2]),
+        group("friction that is not linear in the speed", &[true, false]),
     ]
 }
 
