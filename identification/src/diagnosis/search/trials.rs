@@ -218,11 +218,18 @@ impl Search<'_> {
     pub(crate) fn is_nothing(&self, judged: &Judged) -> bool {
         let structure = &judged.structure;
         let values = intervals::given_straight_ends(structure, self.train);
-        self.may_be_coulomb_friction(structure, &values) || may_be_zero(structure, values)
+        let last = structure.effects.last().zip(values.last());
+        let is_coulomb = last.is_some_and(|(effect, values)| self.may_be_coulomb_friction(structure, effect, values));
+        is_coulomb || may_be_zero(structure, values)
     }
 
-    fn may_be_coulomb_friction(&self, structure: &Structure, values: &[BTreeMap<&'static str, Value>]) -> bool {
-        let (Some(effect), Some(values)) = (structure.effects.last(), values.last()) else { return false };
+    /// Whether the interval of an effect's speed reaches the least one that is looked for.
+    pub(crate) fn may_be_coulomb_friction(
+        &self,
+        structure: &Structure,
+        effect: &Effect,
+        values: &BTreeMap<&'static str, Value>,
+    ) -> bool {
         let scene = self.train.scene_of(structure);
         effect.kind().searches().iter().any(|search| {
             let parameter = &effect.kind().parameters[search.parameter];

@@ -102,6 +102,20 @@ impl Search<'_> {
         found.steps.iter().filter_map(|added| Some((added.effect, self.disqualified(&added.judged)?))).collect()
     }
 
+    /// A note on an effect of the speed that may be no more than Coulomb friction, as beside bristles, which take that of the model.
+    fn note_on_coulomb_friction(
+        &self,
+        structure: &Structure,
+        values: &[BTreeMap<&'static str, Value>],
+    ) -> Option<String> {
+        let mut effects = structure.effects.iter().zip(values);
+        let (effect, _) = effects.find(|(effect, values)| self.may_be_coulomb_friction(structure, effect, values))?;
+        Some(format!(
+            "{}: its speed may be too low to show, and it is Coulomb friction then; capture a slower motion",
+            effect.kind().name
+        ))
+    }
+
     /// Whether something is missing, and whether all of it has a name.
     pub(crate) fn verdict(&self, found: &Found) -> Verdict {
         let (first, last) = (&found.base, found.named());
@@ -142,7 +156,8 @@ impl Search<'_> {
                     self.options.reach_rad,
                 )
             });
-        let rest = if verdict == Verdict::Effects { note_on_the_rest(first, last) } else { None };
+        let rest = note_on_the_rest(first, last).or_else(|| self.note_on_coulomb_friction(&last.structure, &values));
+        let rest = rest.filter(|_| verdict == Verdict::Effects);
         let mut diagnosis = Diagnosis {
             verdict,
             complete: verdict != Verdict::OutsideLibrary && rest.is_none(),
