@@ -395,7 +395,7 @@ pub(crate) fn one_sided_friction([negative, positive]: [f64; 2]) -> Option<Strin
 /// A note on a measured curve whose mean may be friction that differs between the directions; `None` where it is small.
 pub(super) fn constant_torque(curves: &[MeasuredCurve], parameters: &Parameters) -> Option<String> {
     let curve = curves.iter().find(|curve| curve.effect == effects::angle_characteristic::KIND.name)?;
-    let mean_mnm = mean(curve.points.iter().map(|point| point.torque_mnm).collect::<Vec<f64>>());
+    let mean_mnm = mean(curve.points.iter().map(|point| point.torque_mnm));
     let friction_mnm = parameters.get("coulomb_positive")?.value?;
     (mean_mnm.abs() > ONE_SIDED * friction_mnm).then(|| {
         format!(

@@ -70,7 +70,7 @@ mod tests {
     fn rows_repeated_at_random_are_no_readings_but_those_of_a_resting_or_coarse_sensor_are() {
         let angle = |sample: usize| (0.01 * sample as f64).sin();
         let noise = |sample: usize| ((sample * 7919) % 1009) as f64 / 1009.0;
-        let t_s: Vec<f64> = (0..4000).map(|sample| 1e-3 * sample as f64).collect();
+        let t_s: Vec<f64> = (0..4000).map(|sample| 1e-3 * f64::from(sample)).collect();
         let found = |angle_rad: &[f64], torque_mnm: &[f64]| {
             let samples = Samples { t_s: &t_s, angle_rad, velocity_rad_s: None, acceleration_rad_s2: None, torque_mnm };
             without_repeated_rows(&samples)
