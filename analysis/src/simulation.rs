@@ -122,6 +122,8 @@ fn described(simulated: Simulated, like: &LoadedCapture, model: &Model) -> Loade
     capture.acceleration_rad_s2 = Some(acceleration_rad_s2);
     capture.torque_mnm = torque_mnm;
     capture.commanded_torque_mnm = None;
+    (capture.fault, capture.device_code) = (None, None);
+    (capture.unmeasured, capture.unmeasured_samples) = (Vec::new(), 0);
     // Simulated columns have nothing to be corrected but the gripper that turns with the knob.
     let calibration = like.calibration.as_ref().map(|known| Calibration {
         torque_zero_mnm: 0.0,

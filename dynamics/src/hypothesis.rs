@@ -90,6 +90,8 @@ pub struct Search {
     /// The end of the range at which the effect is a straight line over the capture, which it stays beyond that end: where a time constant is
     /// much longer than the capture, or the period of an inertia than the travel.
     pub straight_end: Option<RangeEnd>,
+    /// Whether the effect at the least value, and below it, is Coulomb friction or none: where a speed is too low to show.
+    pub is_coulomb_at_least: bool,
     /// The parameter of another effect that this one is always equal to.
     pub same_as: Option<&'static str>,
 }
@@ -105,8 +107,15 @@ pub enum RangeEnd {
 
 impl Search {
     /// A search at equal distances for a parameter that is not tied to another effect; its range is still to be given.
-    pub const PLAIN: Self =
-        Self { parameter: 0, range: |_| None, starts: |_| 1, logarithmic: false, straight_end: None, same_as: None };
+    pub const PLAIN: Self = Self {
+        parameter: 0,
+        range: |_| None,
+        starts: |_| 1,
+        logarithmic: false,
+        straight_end: None,
+        is_coulomb_at_least: false,
+        same_as: None,
+    };
 
     /// Number of values to try over `widths` widths of a spectral peak: three to a width.
     #[must_use]

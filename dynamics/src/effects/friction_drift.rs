@@ -41,7 +41,7 @@ pub static KIND: EffectKind = EffectKind {
             starts: |_| 6,
             logarithmic: true,
             straight_end: Some(RangeEnd::Largest),
-            same_as: None,
+            ..Search::PLAIN
         }],
         ..Hypothesis::PLAIN
     }),

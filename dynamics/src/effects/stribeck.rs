@@ -50,6 +50,7 @@ pub static KIND: EffectKind = EffectKind {
                 range: |scene| Some((0.02 * scene.median_speed_rad_s, scene.highest_speed_rad_s)),
                 starts: |_| 6,
                 logarithmic: true,
+                is_coulomb_at_least: true,
                 ..Search::PLAIN
             },
             Search { parameter: 2, range: |_| Some((0.5, 2.5)), starts: |_| 2, ..Search::PLAIN },

@@ -43,6 +43,7 @@ pub static KIND: EffectKind = EffectKind {
             range: |scene| Some((0.02 * scene.median_speed_rad_s, scene.highest_speed_rad_s)),
             starts: |_| 8,
             logarithmic: true,
+            is_coulomb_at_least: true,
             ..Search::PLAIN
         }],
         ..Hypothesis::PLAIN

@@ -49,8 +49,8 @@ const WAITED_SHARE: f64 = 0.6;
 const STOPS: u32 = 3;
 /// Most looks for an answer: `OK` comes before it, and either may come in pieces.
 const MOST_LOOKS: u32 = 8;
-/// System calls of a tick at most: a command, and each look's wait and read; and the command that stops, at the end.
-const CALLS_PER_TICK: u32 = 1 + STOPS + 2 * MOST_LOOKS;
+/// System calls of a tick at most: a command, and each look's wait and read.
+const CALLS_PER_TICK: u32 = 1 + 2 * MOST_LOOKS;
 /// Typical round trips after which an answer is too late to be dated, unless that is less than this share of a period.
 const LATE_ROUND_TRIPS: u64 = 2;
 const DATED_SHARE: f64 = 0.125;

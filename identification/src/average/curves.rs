@@ -48,9 +48,12 @@ pub(super) fn beyond_detents(fits: &[Fit]) -> Option<Effect> {
     let mut places = finest.points().to_vec();
     if finest.period_rad().is_none() {
         let (first, last) = (*places.first()?, *places.last()?);
-        places.extend(tables.iter().flat_map(|table| table.points()).filter(|at| **at < first || **at > last));
+        // Where a map begins or ends the mean jumps: points close together there would make the spline swing.
+        let least_rad = 0.5 * (last - first) / (places.len() - 1).max(1) as f64;
+        let is_beyond = |at: &&f64| **at < first - least_rad || **at > last + least_rad;
+        places.extend(tables.iter().flat_map(|table| table.points()).filter(is_beyond));
         places.sort_by(f64::total_cmp);
-        places.dedup();
+        places.dedup_by(|next, before| *next - *before < least_rad);
     }
     let torque_mnm: Vec<f64> = places.iter().map(mean_mnm).collect();
     Spline::through(kind, places, finest.period_rad())?.effect(&torque_mnm)

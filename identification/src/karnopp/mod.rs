@@ -138,8 +138,8 @@ impl Stick {
     fn speed(&self, kind: &ParameterKind) -> Parameter {
         let parameter = self.arrivals_rad_s.parameter(kind, || {
             format!(
-                "rests of the knob whose beginning shows a speed: {1} of {0}, but {2} are needed; \
-                 from {3:.4} rad/s on this capture can tell it from rest",
+                "rests of the knob at which a speed can be read: {1} of {0}, but {2} are needed; \
+                 a speed of {3:.4} rad/s or more can be told from rest",
                 self.rests,
                 self.arrivals_rad_s.values.len(),
                 FEWEST_READINGS,

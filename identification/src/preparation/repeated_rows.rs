@@ -18,7 +18,8 @@ const LONGEST_RUN: usize = 10;
 pub(super) fn without_repeated_rows(samples: &Samples<'_>) -> Option<(PickedSamples, String)> {
     let indices = readings(samples)?;
     let count = samples.t_s.len();
-    if indices.len() < FEWEST_SAMPLES || !typical_step(samples.t_s).1 {
+    let (row_s, is_regular) = typical_step(samples.t_s);
+    if indices.len() < FEWEST_SAMPLES || !is_regular {
         return None;
     }
     let picked = PickedSamples::of(samples, &indices);
@@ -36,7 +37,8 @@ pub(super) fn without_repeated_rows(samples: &Samples<'_>) -> Option<(PickedSamp
         })
         .collect();
     let even = |column: &[f64]| {
-        let at = |(index, at_s): &(usize, f64)| between(time, column, *index, *at_s, time[index + 1] - time[*index]);
+        // Readings up to three rows apart are near.
+        let at = |(index, at_s): &(usize, f64)| between(time, column, *index, *at_s, 2.0 * row_s);
         points.iter().map(at).collect()
     };
     let note = format!(

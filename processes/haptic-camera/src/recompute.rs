@@ -90,16 +90,26 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
         let tick = capture.tick[row];
         // Samples without a measurement are not among a capture's rows, but the control step had them.
         for sample in std::mem::replace(&mut next_sample, capture.seq[row] + 1)..capture.seq[row] {
-            let tick = tick.saturating_sub(capture.seq[row] - sample);
             if capture.gaps.iter().any(|gap| (gap.first_missing_seq..=gap.last_missing_seq).contains(&sample)) {
                 result.missing_from_sample = Some(sample);
                 break 'samples;
             }
-            if let Some(change) = model_of(tick) {
+            let place = capture.unmeasured.binary_search_by_key(&sample, |one| one.seq);
+            let one = place.map(|place| &capture.unmeasured[place]).ok();
+            let one =
+                one.with_context(|| format!("the archive has no sample {sample}, and does not say that it was lost"))?;
+            if let Some(change) = model_of(one.tick) {
                 take_model(&mut step, change)?;
                 result.models += 1;
             }
-            step.step(&RecordedTick { measurement: Measurement::stale(0), missed_ticks: 0 });
+            let measurement = Measurement {
+                angle_rad: one.angle_rad,
+                acceleration_rad_s2: acceleration.map(|_| one.acceleration_rad_s2),
+                torque_mnm: one.torque_mnm,
+                after_s: one.measured_after_s,
+                ..Measurement::stale(one.device_code.cast_signed())
+            };
+            step.step(&RecordedTick { measurement, missed_ticks: one.missed_ticks });
         }
         if flags[row] & Sample::MODEL_TAKEN != 0 {
             let change = model_of(tick).with_context(|| {

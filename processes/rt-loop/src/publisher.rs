@@ -212,7 +212,7 @@ impl StreamPublisher {
             let state = self.shared.state();
             let accepted = match CommandKind::from_code(request.kind) {
                 Some(CommandKind::Query) => true,
-                Some(CommandKind::Start) => state == LoopState::Armed && self.ask(Request::Start),
+                Some(CommandKind::Start) => state == LoopState::Armed && !self.stop_waits && self.ask(Request::Start),
                 Some(CommandKind::Stop) => {
                     let can_stop = matches!(state, LoopState::Armed | LoopState::Running);
                     self.stop_waits |= can_stop;

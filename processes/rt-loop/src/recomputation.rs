@@ -18,9 +18,12 @@ pub struct ControlDescription {
     pub planned_ticks: u64,
     /// What the rig must not exceed.
     pub limits: Limits,
-    /// Ticks after which a torque begins to act, as compensation of cogging and passivity guard knew them; none in older runs.
+    /// Ticks after which a torque begins to act, as the compensation of cogging knew them; none in older runs.
     #[serde(default)]
     pub torque_late_ticks: f64,
+    /// The same as the passivity guard knew them; none in older runs.
+    #[serde(default)]
+    pub guard_late_ticks: f64,
     /// Gains of the servo, which also brakes at a stop.
     pub servo_gains: ServoGains,
     /// Gains of the rendering; `None` where a sweep was followed.
@@ -83,8 +86,8 @@ impl Recomputation {
         let described: ControlDescription = run.part("control description", toml::from_str(control_toml))?;
         let calibration = run.calibration()?.ok_or(NotRecomputable::NoControl)?;
         let excitation = run.excitation()?;
-        let ControlDescription { rate_hz, planned_ticks, limits, torque_late_ticks, servo_gains, render_gains } =
-            described;
+        let ControlDescription { rate_hz, planned_ticks, limits, torque_late_ticks, guard_late_ticks, .. } = described;
+        let ControlDescription { servo_gains, render_gains, .. } = described;
         let render_gains = render_gains.ok_or(NotRecomputable::NotRendered)?;
         let plan = ControlPlan {
             // Not followed: a model is rendered.
@@ -100,7 +103,7 @@ impl Recomputation {
         let model = rendered(&first, &calibration)?;
         let too_slow = || NotRecomputable::Rate { rate_hz };
         let motor_mnm = limits.motor_torque_mnm;
-        let renderer = Renderer::new(model, render_gains, &calibration, motor_mnm, rate_hz, torque_late_ticks)
+        let renderer = Renderer::new(model, render_gains, &calibration, motor_mnm, rate_hz, guard_late_ticks)
             .ok_or_else(too_slow)?;
         let control = ControlState::new(plan, &calibration).ok_or_else(too_slow)?.with_renderer(renderer);
         Ok(Self { control, calibration, begun: false })

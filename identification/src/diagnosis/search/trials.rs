@@ -223,7 +223,7 @@ impl Search<'_> {
         is_coulomb || may_be_zero(structure, values)
     }
 
-    /// Whether the interval of an effect's speed reaches the least one that is looked for.
+    /// Whether the interval of an effect's speed reaches one at which it is Coulomb friction.
     pub(crate) fn may_be_coulomb_friction(
         &self,
         structure: &Structure,
@@ -233,7 +233,7 @@ impl Search<'_> {
         let scene = self.train.scene_of(structure);
         effect.kind().searches().iter().any(|search| {
             let parameter = &effect.kind().parameters[search.parameter];
-            let least = search.range_in(&scene).filter(|_| parameter.unit == "rad/s").map(|(least, _)| least);
+            let least = search.range_in(&scene).filter(|_| search.is_coulomb_at_least).map(|(least, _)| least);
             let low = values.get(parameter.name).and_then(|value| value.ci95).map(|[low, _]| low);
             least.zip(low).is_some_and(|(least, low)| low <= least)
         })
