@@ -210,7 +210,7 @@ impl Capture {
     /// [`ArchiveError::Unordered`].
     pub fn validate(&self) -> Result<(), ArchiveError> {
         let rows = self.len();
-        self.check_rows(columns::of(self).map(|(column, values)| (column, values.len())))?;
+        self.check_rows(columns::lengths(self))?;
         if rows < 3 {
             return Err(ArchiveError::TooShort { path: self.source.clone(), rows });
         }
@@ -400,7 +400,15 @@ pub(crate) fn first_bytes(path: &Path, count: usize) -> Result<Vec<u8>, ArchiveE
 
 #[cfg(test)]
 mod tests {
-    use super::{memory, memory_for};
+    use super::{ArchiveError, Capture, memory, memory_for};
+
+    #[test]
+    fn columns_that_only_archives_have_are_as_long_as_the_others() {
+        let whole = Capture::from_columns(100.0, vec![0.0, 1.0, 2.0], vec![0.0; 3]);
+        assert!(whole.validate().is_ok());
+        let ragged = Capture { device_code: Some(vec![0; 2]), ..whole };
+        assert!(matches!(ragged.validate(), Err(ArchiveError::Ragged { column: "device_code", rows: 2, expected: 3 })));
+    }
 
     #[test]
     fn short_rows_need_more_memory_for_each_byte_than_long_ones() {

@@ -124,6 +124,11 @@ pub fn of(capture: &Capture) -> impl Iterator<Item = (&'static str, Values<'_>)>
     all().filter_map(|column| Some((column.name_on(capture.axis), (column.values)(capture)?)))
 }
 
+/// How many values each column has that the capture has, with its name.
+pub(crate) fn lengths(capture: &Capture) -> impl Iterator<Item = (&'static str, usize)> {
+    all().chain(&OF_ARCHIVES).filter_map(|column| Some((column.name_on(capture.axis), (column.values)(capture)?.len())))
+}
+
 /// The measured columns that a capture has, with their names.
 pub(crate) fn measured(capture: &Capture) -> Vec<(&'static str, &[f64])> {
     let reals = |column: &Column| match (column.values)(capture)? {

@@ -7,6 +7,9 @@ use std::path::PathBuf;
 use archive::testers::{Assignments, ColumnChoice, Curve};
 use shared_types::Axis;
 
+/// What is said of rows that do not belong to their header.
+const LONGER: &str =
+    "FILE: line 2: it has more cells than the header: name every column, and write numbers with a point, as in 1.5";
 /// Gram-force, N.
 const GF: f64 = 9.806_65e-3;
 
@@ -192,7 +195,7 @@ fn commas_for_both_decimals_and_cells_and_first_rows_without_values_are_refused_
     let choice = ColumnChoice::new("travel=x,force=F".parse().unwrap(), Default::default()).unwrap();
     let refusal = |text: &str| read("switch.csv", text, Some(&choice)).unwrap_err();
     let parted = refusal(&table("t,x,F\n", |n| format!("0,{n},1,{n},2,5")));
-    assert_eq!(parted, "FILE: line 2: it has more cells than the header; write numbers with a point, as in 1.5");
+    assert_eq!(parted, LONGER);
     for missing in ["NaN", "NA", ""] {
         let text =
             table("t,x,F\n", |n| format!("{n},{n}.5,{}", if n < 2.0 { missing.to_owned() } else { n.to_string() }));
@@ -200,6 +203,66 @@ fn commas_for_both_decimals_and_cells_and_first_rows_without_values_are_refused_
             format!("line 2: `{missing}` in the column F is not a number; correct it, or leave the line out");
         assert!(refusal(&text).contains(&expected), "{}", refusal(&text));
     }
+}
+
+#[test]
+fn decimal_commas_in_a_table_parted_by_blanks_are_no_commas_between_cells() {
+    let choice = ColumnChoice::new("travel=x,force=F".parse().unwrap(), Default::default()).unwrap();
+    let text = table("x F\n", |n| format!("0,{n} {},5", 120.0 + n));
+    let curve = read("bench.txt", &text, Some(&choice)).unwrap();
+    assert_eq!((curve.len(), curve.position[7], curve.load[19]), (20, 0.7, 139.5));
+}
+
+#[test]
+fn last_rows_without_values_are_passed_over() {
+    let choice = ColumnChoice::new("time=t,travel=x,force=F".parse().unwrap(), Default::default()).unwrap();
+    let text = table("t,x,F\n", |n| format!("0.{n:03},{n},{n}.5"));
+    for last in ["9.9,NaN,NaN\n", "NaN,NaN,NaN\n", "9.8,NA,n/a\n9.9,NaN,\n"] {
+        let curve = read("merged.csv", &format!("{text}{last}"), Some(&choice)).unwrap();
+        assert_eq!((curve.len(), curve.load[19]), (20, 19.5), "{last}");
+    }
+    let gap = format!("{text}0.020,NaN,20\n0.021,21,NaN\n0.022,22,22\n");
+    let error = read("merged.csv", &gap, Some(&choice)).unwrap_err();
+    assert!(error.contains("line 22: `NaN` in the column x is not a number; correct it"), "{error}");
+}
+
+#[test]
+fn rows_that_are_all_longer_than_the_header_are_refused_and_odd_ones_are_not() {
+    let choice = ColumnChoice::new("travel=x,force=F".parse().unwrap(), Default::default()).unwrap();
+    let read = |text: &str| read("frame.csv", text, Some(&choice));
+    // As R writes a table with the names of its rows.
+    for name in ["", "row "] {
+        let text = table("\"x\",\"F\"\n", |n| format!("\"{name}{}\",{n}.5,{}.25", n + 1.0, 2.0 * n));
+        assert_eq!(read(&text).unwrap_err(), LONGER);
+    }
+    let with = |header: &str, end: &str, every: f64| {
+        read(&table(header, |n| format!("{n}.5,{n}.25{}", if n % every == 0.0 { end } else { "" }))).unwrap()
+    };
+    for curve in [with("x,F\n", ",", 1.0), with("x,F,\n", ",1.5", 1.0), with("x,F\n", ",1.5", 7.0)] {
+        assert_eq!((curve.len(), curve.position[3], curve.load[3]), (20, 3.5, 3.25));
+    }
+    // Rows without names, below what is none of them.
+    let numbered = ColumnChoice::new("travel=1,force=2".parse().unwrap(), Default::default()).unwrap();
+    let text = table("Rate,1000\n", |n| format!("{n}.5,{n}.25,1.5"));
+    assert!(self::read("rows.csv", &text, Some(&numbered)).is_ok());
+}
+
+#[test]
+fn a_contacts_two_levels_may_be_written_with_any_decimals() {
+    let choice = ColumnChoice::new("travel=x,force=F,contact=U".parse().unwrap(), Default::default()).unwrap();
+    let text = table("x;F;U\n", |n| format!("{n}.5;{n};{}", if n < 8.0 { "3.300" } else { "0" }));
+    let closed = read("switch.csv", &text, Some(&choice)).unwrap().closed.unwrap();
+    assert!((0..20).all(|row| closed[row] == (row >= 8)));
+}
+
+#[test]
+fn what_is_said_of_a_wrong_date_is_not_what_is_said_of_a_number() {
+    let choice = ColumnChoice::new("time=t,travel=x,force=F".parse().unwrap(), Default::default()).unwrap();
+    let text = table("t;x;F\n", |n| {
+        format!("2026-11-29T23:59:{:02}{};{n},5;{n}", 2.0 * n, if n == 9.0 { ",5,0" } else { "" })
+    });
+    let error = read("dated.csv", &text, Some(&choice)).unwrap_err();
+    assert!(error.contains("is not a date and time, as the first is; correct it, or leave the line out"), "{error}");
 }
 
 #[test]

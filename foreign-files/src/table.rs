@@ -3,7 +3,7 @@
 //! A table has a line of column names, and below it one row of numbers a line; what stands above that line is passed over. Columns may stand in any order, and their names
 //! be written in capitals. A byte order mark, Windows line ends, quotation marks, blanks around cells, empty lines, lines that begin
 //! with `#` (but for a header written so) and separators at the ends of lines are passed over. Commas, semicolons or tabulators separate cells. Numbers are finite and
-//! written with a point, beside semicolons or tabulators also with a comma; a column is refused whose marks may part thousands.
+//! written with a point, beside semicolons or tabulators also with a comma; a column in which a mark may part thousands is refused.
 
 use std::borrow::Cow;
 use std::io::{BufRead, BufReader, Read};

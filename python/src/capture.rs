@@ -185,10 +185,14 @@ impl Capture {
         column!(slf, commanded_angle_rad, optional)
     }
 
-    /// Torque commanded from the motor, mNm; NaN where it is unknown. None from a table.
+    /// Torque commanded from the motor, mNm; NaN where it is unknown. None from a table, and of a replay, in which the motor does not drive
+    /// the knob: its command there is ``capture["commanded_torque_mnm"]``.
     #[getter]
     fn commanded_torque_mnm<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Reals<'py>>> {
-        column!(slf, commanded_torque_mnm, optional)
+        let values = slf.get().loaded.commanded_torque_mnm();
+        // SAFETY: the class is frozen and keeps its capture.
+        #[allow(unsafe_code, reason = "the array looks at the capture's memory")]
+        values.map(|values| unsafe { view(slf.as_any(), values) }).transpose()
     }
 
     /// Number of each sample in its run.

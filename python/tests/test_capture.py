@@ -44,6 +44,7 @@ def test_a_model_made_in_python_is_on_the_rig_bit_for_bit(kind: str, options: di
     felt = hc.replay(model, duration_s=1, **options)
     assert felt.truth == model and felt.truth.to_toml() == model.to_toml()
     assert felt.to_dict()["knob"] == model.name
+    assert felt.commanded_torque_mnm is None
 
 
 def test_no_file_of_a_model_is_left(

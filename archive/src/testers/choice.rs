@@ -205,7 +205,8 @@ impl ColumnChoice {
 /// The factor from the unit in a column's name to the instrument's unit; 1 if the name has no unit. Names are also written in capitals.
 ///
 /// # Errors
-/// [`ChoiceError::UnitInName`] if the text in brackets at its end is no unit of the quantity, or its last word is one of unknown size.
+/// [`ChoiceError::UnitInName`] if the text in brackets at its end is no unit of the quantity, if its last word is a unit of unknown size, or if
+/// the word before that belongs to the unit.
 fn unit_in(name: &str, quantity: Quantity) -> Result<f64, ChoiceError> {
     let unknown = || ChoiceError::UnitInName { name: name.to_owned(), quantity: quantity.name(), own: quantity.unit() };
     let named = |unit: &str| quantity.factor_in_any_case(unit.trim());
@@ -216,11 +217,40 @@ fn unit_in(name: &str, quantity: Quantity) -> Result<f64, ChoiceError> {
         return Ok(factor);
     }
     // A table may have its units in a row of their own, which is then the header.
-    let word = name.rsplit_once(['_', ' ', '/', ',']).map_or(name, |(_, unit)| unit.trim());
+    let word = name.rsplit_once(BETWEEN_WORDS).map_or(name, |(_, unit)| unit.trim());
     let words = [word, last_capitalised(word)];
+    let factor = words.into_iter().find_map(named);
     let is_unknown = in_brackets().any(|(_, behind)| behind.is_empty())
-        || words.iter().any(|word| NO_KNOWN_UNITS.contains(&word.to_lowercase().as_str()));
-    if is_unknown { Err(unknown()) } else { Ok(words.into_iter().find_map(named).unwrap_or(1.0)) }
+        || words.iter().any(|word| NO_KNOWN_UNITS.contains(&word.to_lowercase().as_str()) || is_parted(name, word))
+        || factor.is_none() && words.iter().any(|word| is_spelled_out(word));
+    if is_unknown { Err(unknown()) } else { Ok(factor.unwrap_or(1.0)) }
+}
+
+/// Whether a name ends in this unit, of whatever quantity, and the word before it belongs to it: `time_milli_seconds`, `torque_newton_m`,
+/// `torqueMilliNm`.
+fn is_parted(name: &str, unit: &str) -> bool {
+    let before = name.strip_suffix(unit).unwrap_or_default().trim_end_matches(BETWEEN_WORDS);
+    let word = last_capitalised(before.rsplit(BETWEEN_WORDS).next().unwrap_or_default()).to_lowercase();
+    let belongs = PREFIXES.contains(&word.as_str()) || FACTORS.contains(&word.as_str());
+    let quantities = [Quantity::Angle, Quantity::Torque, Quantity::Travel, Quantity::Force, Quantity::Time];
+    belongs && quantities.iter().any(|quantity| quantity.factor_in_any_case(unit).is_some())
+}
+
+/// Whether a word is nothing but a unit with all its prefixes and factors, known or not: `kiloNewtons`. Meters alone may measure anything.
+fn is_spelled_out(word: &str) -> bool {
+    let word = word.to_lowercase();
+    let (mut rest, mut ends_in_unit) = (word.as_str(), false);
+    let part = |rest: &str, parts: &[&str]| parts.iter().find(|part| rest.starts_with(**part)).map(|part| part.len());
+    loop {
+        if let Some(length) = part(rest, &SPELLED_OUT) {
+            (rest, ends_in_unit) = (&rest[length..], true);
+        } else if let Some(length) = part(rest, &PREFIXES) {
+            (rest, ends_in_unit) = (&rest[length..], false);
+        } else {
+            break;
+        }
+    }
+    ends_in_unit && ["", "s", "force"].contains(&rest) && !["meter", "metre"].contains(&word.trim_end_matches('s'))
 }
 
 /// The end of a name such as `angleDeg` from its last capital behind a small letter on.
@@ -230,6 +260,15 @@ fn last_capitalised(name: &str) -> &str {
     start.map_or(name, |((at, _), _)| &name[at..])
 }
 
+/// What stands between the words of a name.
+const BETWEEN_WORDS: [char; 4] = ['_', ' ', '/', ','];
+/// Prefixes of units.
+const PREFIXES: [&str; 5] = ["milli", "micro", "nano", "kilo", "centi"];
+/// First factors of units that are products.
+const FACTORS: [&str; 5] = ["newton", "ounce", "pound", "oz", "lb"];
+/// Units that are written in full, without prefixes.
+const SPELLED_OUT: [&str; 10] =
+    ["newton", "meter", "metre", "gram", "inches", "inch", "ounce", "pound", "radian", "hour"];
 /// Words for units whose size a name does not tell: degrees in German are gradians, 400 of them in a turn, elsewhere.
 const NO_KNOWN_UNITS: [&str; 9] = ["grad", "count", "counts", "tick", "ticks", "step", "steps", "volt", "volts"];
 
@@ -272,12 +311,38 @@ mod tests {
             (Quantity::Angle, "motorPosition", 1.0),
             (Quantity::Travel, "Signal In", 1.0),
             (Quantity::Travel, "travel (in)", 25.4),
+            (Quantity::Travel, "travel_meters", 1e3),
+            (Quantity::Travel, "travel_centimeters", 10.0),
+            (Quantity::Travel, "travel_micrometers", 1e-3),
+            (Quantity::Travel, "travel_inches", 25.4),
+            (Quantity::Angle, "angle_milliradians", 1e-3),
+            (Quantity::Force, "force_grams", 9.806_65e-3),
+            (Quantity::Force, "forceMillinewtons", 1e-3),
+            (Quantity::Torque, "torque_millinewtonmeters", 1.0),
+            (Quantity::Torque, "torque_newtonmetre", 1e3),
+            (Quantity::Force, "Force meter", 1.0),
+            (Quantity::Angle, "potentiometer", 1.0),
         ];
         for (quantity, name, factor) in names {
             assert_eq!(unit_in(name, quantity), Ok(factor), "{name}");
         }
         for name in ["Winkel_Grad", "Angle [Grad]", "Angle [counts]", "encoder_counts", "encoderCounts"] {
             assert!(unit_in(name, Quantity::Angle).is_err(), "{name}");
+        }
+        for (quantity, name) in [
+            (Quantity::Torque, "torque_newton_meters"),
+            (Quantity::Torque, "Torque Newton m"),
+            (Quantity::Torque, "torqueMilliNm"),
+            (Quantity::Torque, "torque_milliNm"),
+            (Quantity::Torque, "torque_inch_pounds"),
+            (Quantity::Time, "timeMilliSeconds"),
+            (Quantity::Time, "time_milli_seconds"),
+            (Quantity::Time, "time_hours"),
+            (Quantity::Force, "force_kilonewtons"),
+            (Quantity::Force, "forcePounds"),
+        ] {
+            let error = unit_in(name, quantity);
+            assert!(matches!(error, Err(ChoiceError::UnitInName { .. })), "{name}: {error:?}");
         }
     }
 

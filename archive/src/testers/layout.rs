@@ -57,7 +57,7 @@ impl Layout {
     pub(super) fn read(&self, table: &RawTable) -> Result<Curve, String> {
         if let Some(line) = table.parted_row() {
             return Err(format!(
-                "line {line}: it has more cells than the header; write numbers with a point, as in 1.5"
+                "line {line}: it has more cells than the header: name every column, and write numbers with a point, as in 1.5"
             ));
         }
         let of = |source: Source| table.column(source.column, source.factor);
@@ -74,8 +74,8 @@ impl Layout {
         };
         refuse_falling(t_s.as_deref())?;
         let closed = match self.contact {
-            Some(Contact::Voltage(column)) => closed(&table.column(column, 1.0)?),
-            Some(Contact::Flag(column)) => flagged(&table.column(column, 1.0)?),
+            Some(Contact::Voltage(column)) => closed(&table.levels(column)?),
+            Some(Contact::Flag(column)) => flagged(&table.levels(column)?),
             None => None,
         };
         Ok(Curve {

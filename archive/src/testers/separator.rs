@@ -19,8 +19,10 @@ pub(super) fn separator(text: &str) -> u8 {
             let cells = line.split(if separator == BLANKS { '\t' } else { char::from(separator) });
             let cells = cells.map(|cell| cell.trim().trim_matches('"')).filter(|cell| !cell.is_empty());
             let (of_line, all) = cells.fold((0, 0), |(numbers, all), cell| {
+                // Between commas a blank parts cells of another table: `0,5 120,3`.
+                let may_have_thousands = separator != b',' || !cell.contains(' ');
                 let is_number = foreign_files::with_point(cell, separator).parse::<f64>().is_ok_and(f64::is_finite)
-                    || foreign_files::has_thousands(cell);
+                    || may_have_thousands && foreign_files::has_thousands(cell);
                 (numbers + usize::from(is_number), all + 1)
             });
             if of_line > 1 {

@@ -12,6 +12,8 @@ use crate::error::ArchiveError;
 
 /// Most columns, and letters of each, that an error quotes.
 const QUOTED: (usize, usize) = (20, 40);
+/// What most cells are to be.
+const A_NUMBER: &str = "a number";
 
 /// The cells of a table.
 #[derive(Debug, Default)]
@@ -20,6 +22,8 @@ pub(super) struct RawTable {
     pub(super) preamble: Vec<csv::StringRecord>,
     /// The names of the columns; empty where there are none.
     pub(super) header: Vec<String>,
+    /// How many cells the header has, with those at its end that are empty.
+    header_cells: usize,
     /// The units of the columns, where they stand in a row of their own below the names; otherwise empty.
     pub(super) units: Vec<String>,
     /// The rows of numbers.
@@ -61,8 +65,10 @@ impl RawTable {
         let mut table = Self { separator, ..Self::default() };
         let first = table.first_row(&records);
         let mut rows = records.split_off(first);
-        // What stands below the rows is passed over, and a last row that was cut off.
-        while rows.pop_if(|record| table.numbers(record) < 2).is_some() {}
+        // What stands below the rows is passed over, as are rows there without values, and a last row that was cut off.
+        let last = rows.iter().rposition(|record| table.readings(record) > 1);
+        let last = last.or_else(|| rows.iter().rposition(|record| table.numbers(record) > 1));
+        rows.truncate(last.map_or(0, |last| last + 1));
         let whole = rows.first().map_or(0, csv::StringRecord::len);
         if rows.len() > 1 && rows[rows.len() - 2].len() >= whole {
             let _ = rows.pop_if(|last| last.len() < whole);
@@ -85,6 +91,7 @@ impl RawTable {
             header = Some(names);
         }
         table.header = header.iter().flatten().map(str::to_owned).collect();
+        table.header_cells = table.header.len();
         while table.header.pop_if(|name| name.is_empty()).is_some() {}
         table.preamble = records;
         Ok(table)
@@ -93,8 +100,7 @@ impl RawTable {
     /// The first of the rows: numbers stand in the same places of nearly all, and may be missing in some.
     fn first_row(&self, records: &[csv::StringRecord]) -> usize {
         let places = |record: &csv::StringRecord| -> Vec<bool> {
-            let filled = (0..record.len()).rev().find(|at| !record[*at].is_empty()).map_or(0, |last| last + 1);
-            record.iter().take(filled).map(|cell| self.is_meant_as_number(cell)).collect()
+            record.iter().take(filled(record)).map(|cell| self.is_meant_as_number(cell)).collect()
         };
         let mut kinds: BTreeMap<Vec<bool>, usize> = BTreeMap::new();
         for record in records.iter().take(LOOKED_AT).filter(|record| self.numbers(record) > 1) {
@@ -118,12 +124,14 @@ impl RawTable {
         record.iter().filter(|cell| self.is_meant_as_number(cell)).count()
     }
 
+    /// How many of them are no words for a missing number.
+    fn readings(&self, record: &csv::StringRecord) -> usize {
+        record.iter().filter(|cell| self.is_meant_as_number(cell) && !is_missing(cell)).count()
+    }
+
     fn is_meant_as_number(&self, cell: &str) -> bool {
-        // NaN among them.
-        let is_missing =
-            || cell.parse::<f64>().is_ok() || ["NA", "N/A"].iter().any(|word| cell.eq_ignore_ascii_case(word));
         let is_quoted = || self.separator == b',' && cell.contains(',') && cell.replace(',', "").parse::<f64>().is_ok();
-        self.number(cell).is_some() || foreign_files::has_thousands(cell) || is_missing() || is_quoted()
+        self.number(cell).is_some() || foreign_files::has_thousands(cell) || is_missing(cell) || is_quoted()
     }
 
     /// A number as the table writes it; `None` for what is none.
@@ -133,7 +141,7 @@ impl RawTable {
 
     /// The numbers of a column, each times `factor`.
     pub(super) fn column(&self, index: usize, factor: f64) -> Result<Vec<f64>, String> {
-        let column = self.cells(index, |cell| self.number(cell).map(|value| value * factor), "a number")?;
+        let column = self.cells(index, |cell| self.number(cell).map(|value| value * factor), A_NUMBER)?;
         if self.separator != b',' {
             let mut marks = foreign_files::Marks::default();
             for record in &self.rows {
@@ -144,6 +152,11 @@ impl RawTable {
             }
         }
         Ok(column)
+    }
+
+    /// The numbers of a column in which only levels are told apart, whatever the marks in them mean.
+    pub(super) fn levels(&self, index: usize) -> Result<Vec<f64>, String> {
+        self.cells(index, |cell| self.number(cell), A_NUMBER)
     }
 
     /// The name of a column, or else its number.
@@ -163,7 +176,8 @@ impl RawTable {
             parse(text).ok_or_else(|| {
                 let shown: String = text.chars().take(QUOTED.1).collect();
                 let (name, line) = (self.name(index), line_of(record));
-                let remedy = if text.contains(',') || foreign_files::has_thousands(text) {
+                let has_marks = text.contains(',') || foreign_files::has_thousands(text);
+                let remedy = if has_marks && what == A_NUMBER {
                     "write it with a point, and without separators of thousands"
                 } else {
                     "correct it, or leave the line out"
@@ -174,14 +188,20 @@ impl RawTable {
         self.rows.iter().map(cell).collect()
     }
 
-    /// The line of a row whose numbers decimal commas part into more cells than the header has.
+    /// The line of a row that has more cells than the header has, so that names and cells do not belong together: decimal commas part its
+    /// numbers, or every row has a cell without a name, as R writes the names of rows.
     pub(super) fn parted_row(&self) -> Option<u64> {
+        if self.separator != b',' || self.header.is_empty() {
+            return None;
+        }
         let are_digits = |cell: &str| cell.trim_start_matches('-').bytes().all(|byte| byte.is_ascii_digit());
-        let is_parted = |record: &&csv::StringRecord| {
-            record.iter().skip(self.header.len()).any(|cell| !cell.is_empty()) && record.iter().all(are_digits)
-        };
-        let is_open = self.separator == b',' && !self.header.is_empty();
-        self.rows.iter().find(is_parted).filter(|_| is_open).map(line_of)
+        let is_parted =
+            |record: &&csv::StringRecord| filled(record) > self.header.len() && record.iter().all(are_digits);
+        // A line with a number is none of names, though it stands above rows without any.
+        let has_names = !self.header.iter().any(|name| self.number(name).is_some());
+        let are_longer = || self.rows.iter().all(|record| filled(record) > self.header_cells);
+        let first = self.rows.first().filter(|_| has_names && are_longer());
+        first.or_else(|| self.rows.iter().find(is_parted)).map(line_of)
     }
 
     /// Place of a column by its name, whatever its case; `None` also where several have it.
@@ -210,6 +230,17 @@ impl RawTable {
         let more = if self.header.len() > QUOTED.0 { " and more" } else { "" };
         format!("the columns {}{more}", shown.collect::<Vec<_>>().join(", "))
     }
+}
+
+/// Number of cells up to the last that is not empty.
+fn filled(record: &csv::StringRecord) -> usize {
+    (0..record.len()).rev().find(|at| !record[*at].is_empty()).map_or(0, |last| last + 1)
+}
+
+/// Whether a cell stands for a number that is missing, as NaN does.
+fn is_missing(cell: &str) -> bool {
+    cell.parse::<f64>().is_ok_and(|value| !value.is_finite())
+        || ["NA", "N/A"].iter().any(|word| cell.eq_ignore_ascii_case(word))
 }
 
 fn line_of(record: &csv::StringRecord) -> u64 {

@@ -100,7 +100,11 @@ fn open(path: &Path) -> io::Result<(File, Option<(TempPath, PathBuf)>)> {
         let mut beside = tempfile::Builder::new();
         beside.prefix(".haptic-camera-").suffix(".incomplete");
         let folder = place.parent().unwrap_or(Path::new("/"));
-        let (file, written) = beside.tempfile_in(folder).map(NamedTempFile::into_parts)?;
+        let refused = |error: io::Error| {
+            let reason = format!("its folder must be writable, since a new file is made beside the old one: {error}");
+            io::Error::new(error.kind(), reason)
+        };
+        let (file, written) = beside.tempfile_in(folder).map(NamedTempFile::into_parts).map_err(refused)?;
         return Ok((file, Some((written, place))));
     }
     let file = OpenOptions::new().write(true).create(true).truncate(true).mode(0o600).open(path)?;
