@@ -22,8 +22,8 @@ const NARROWER: f64 = 0.5;
 const EVERY: usize = 2;
 /// Least variance of the difference of two estimates, as a share of the other estimate's variance.
 const LEAST_VARIANCE: f64 = 0.25;
-/// Two-sided 95 % of the normal distribution shared among eleven better models (Bonferroni), in standard deviations.
-const SHARED_95: f64 = 2.84;
+/// Two-sided 95 % of the normal distribution shared among twelve better models (Bonferroni), in standard deviations.
+const SHARED_95: f64 = 2.86;
 /// One-sided 95 % of the normal distribution, in standard deviations.
 const ONE_SIDED_95: f64 = 1.645;
 

@@ -121,7 +121,7 @@ fn groups(trimmed: &Trimmed<'_>) -> Vec<Group> {
 }
 
 /// Those that follow from the motion.
-fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
+fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 5] {
     let Problem { motion, row_filter, .. } = &trimmed.problem;
     let friction_speed_rad_s = FRICTION_SPEED * rms(&row_filter.sliding_speeds_rad_s(motion));
     let (low_rad, high_rad) = vector::extent_where(&motion.angle_rad, &row_filter.mask).unwrap_or((0.0, 0.0));
@@ -143,7 +143,9 @@ fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
             drag[place] = velocity_rad_s * velocity_rad_s.abs();
         }
     });
-    let mut rows = rows.into_iter().map(Column::from);
+    let rows: Vec<Column> = rows.into_iter().map(Column::from).collect();
+    let drag = rows.last().cloned();
+    let mut rows = rows.into_iter().chain(drag);
     let mut group = |name: &str, are_beyond_friction: &[bool]| Group {
         name: name.to_owned(),
         columns: are_beyond_friction
@@ -156,7 +158,9 @@ fn of_motion(trimmed: &Trimmed<'_>) -> [Group; 4] {
         group("a torque over the angle, as of a weight or a spring,", &[is_short_travel; 3]),
         group("friction that differs over the angle", &[true; 2]),
         group("torque or friction that drifts", &[false, true]),
-        group("friction that is not linear in the speed", &[true, false]),
+        group("friction that is not linear in the speed", &[true; 2]),
+        // Beside a drag alone, viscous friction is that of a slow motion.
+        group("a drag", &[false]),
     ]
 }
 
