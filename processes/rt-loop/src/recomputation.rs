@@ -122,7 +122,8 @@ impl Recomputation {
     pub fn step(&mut self, tick: &RecordedTick) -> StepOutput {
         let reading = |elapsed_ticks, measurement| Reading { elapsed_ticks, measurement: Ok(measurement) };
         if !self.begun {
-            // Armed where the run begins: a rendering follows from its samples alone. One without new data repeats what was read before.
+            // Armed where the run begins: a rendering follows from its samples alone. A first sample without new data holds the values
+            // that were read before it.
             self.control.arm();
             self.control.step(&reading(1, Measurement { is_stale: false, ..tick.measurement }));
             self.control.request(Request::Start);

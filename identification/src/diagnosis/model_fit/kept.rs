@@ -63,7 +63,7 @@ impl Kept {
     }
 }
 
-/// Effects of `after` that `before` lacks or has with other columns.
+/// Indices of the effects of `after` that `before` lacks, or whose values or friction differ there, so that their columns do.
 pub(super) fn changed(before: &Structure, after: &Structure) -> Vec<usize> {
     let bristles = before.bristles() != after.bristles();
     let differs = |index: &usize| {

@@ -38,7 +38,7 @@ pub(super) struct Tracked {
 }
 
 impl Tracked {
-    /// Nothing yet; `None` when the rate is too low for the filter.
+    /// Before the first reading; `None` when the rate is too low for the filter.
     pub(super) fn new(plan: &ControlPlan) -> Option<Self> {
         let ControlPlan { limits, rate_hz, stale_limit, .. } = *plan;
         let edge_hz = VELOCITY_EDGE_HZ.min(VELOCITY_EDGE_SHARE * rate_hz);
