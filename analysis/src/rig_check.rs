@@ -64,7 +64,7 @@ impl RigCheck {
         let after_us = |after_s: &Vec<f64>| (1e6 * mean(after_s), 1e6 * standard_deviation(after_s));
         let (read_after_us, read_after_sd_us) = capture.measured_after_s.as_ref().map(after_us).unzip();
         let missed_ticks = capture.missed_tick_count();
-        let ticks = capture.len() as f64 + capture.unmeasured_samples as f64 + missed_ticks as f64;
+        let ticks = capture.len() as f64 + capture.unmeasured_samples() as f64 + missed_ticks as f64;
         let mut amiss = Vec::new();
         if torque.span == 0.0 {
             amiss.push("the torque is constant; check its source, and the sensor's cable and supply".to_owned());
@@ -84,8 +84,8 @@ impl RigCheck {
             };
             amiss.push(format!("{missed_ticks} of {ticks} ticks were missed: {cause} try a lower rate"));
         }
-        if capture.unmeasured_samples as f64 > MISSED_SHARE * ticks {
-            let stale = capture.unmeasured_samples;
+        if capture.unmeasured_samples() as f64 > MISSED_SHARE * ticks {
+            let stale = capture.unmeasured_samples();
             amiss.push(format!(
                 "{stale} of {ticks} ticks had no new data: the device is slower than the rate; lower [rates] fastest_hz"
             ));
@@ -104,7 +104,7 @@ impl RigCheck {
             rate_hz: capture.rate_hz,
             samples: capture.len() as u64,
             missed_ticks,
-            stale_ticks: capture.unmeasured_samples,
+            stale_ticks: capture.unmeasured_samples(),
             read_after_us,
             read_after_sd_us,
             watchdog,

@@ -123,7 +123,7 @@ fn described(simulated: Simulated, like: &LoadedCapture, model: &Model) -> Loade
     capture.torque_mnm = torque_mnm;
     capture.commanded_torque_mnm = None;
     (capture.fault, capture.device_code) = (None, None);
-    (capture.unmeasured, capture.unmeasured_samples) = (Vec::new(), 0);
+    capture.unmeasured.clear();
     // Simulated columns have nothing to be corrected but the gripper that turns with the knob.
     let calibration = like.calibration.as_ref().map(|known| Calibration {
         torque_zero_mnm: 0.0,

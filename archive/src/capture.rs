@@ -56,10 +56,8 @@ pub struct Capture {
     pub commanded_torque_mnm: Option<Vec<f64>>,
     /// How long after its tick was due each sample was read, s; `None` where all were read when they were due.
     pub measured_after_s: Option<Vec<f64>>,
-    /// Samples in the archive without a measurement of their own, since the sensors delivered no new data or failed; they are left
-    /// out here.
-    pub unmeasured_samples: u64,
-    /// Those samples, in the order of `seq`, for a copy of the archive.
+    /// Samples in the archive without a measurement of their own, since the sensors delivered no new data or failed, in the order of
+    /// `seq`; the columns leave them out.
     pub unmeasured: Vec<Sample>,
     /// How the rig kept up with the ticks.
     pub rig: RigAccount,
@@ -148,6 +146,12 @@ impl Capture {
         self.angle_rad.is_empty()
     }
 
+    /// How many samples have no measurement of their own.
+    #[must_use]
+    pub fn unmeasured_samples(&self) -> u64 {
+        self.unmeasured.len() as u64
+    }
+
     /// Whether the rig rendered a model and a hand turned the gripper. Where the run's description was lost, the models tell.
     #[must_use]
     pub fn is_rendered(&self) -> bool {
@@ -188,7 +192,7 @@ impl Capture {
     #[must_use]
     pub fn missed_tick_count(&self) -> u64 {
         let first_tick = self.tick.first().copied().unwrap_or(0);
-        (first_tick + self.ticks_without_sample()).saturating_sub(self.lost_samples() + self.unmeasured_samples)
+        (first_tick + self.ticks_without_sample()).saturating_sub(self.lost_samples() + self.unmeasured_samples())
     }
 
     /// Name of the capture's file, without its folder.

@@ -273,7 +273,6 @@ impl Rows {
         }
         if kept.contains(&false) {
             capture.unmeasured = self.left_out(&kept, capture);
-            capture.unmeasured_samples = capture.unmeasured.len() as u64;
             self.0.iter_mut().for_each(|values| values.keep(&kept));
         }
         for (column, values) in columns::of_samples().zip(self.0) {

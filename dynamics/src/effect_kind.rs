@@ -138,7 +138,10 @@ pub fn printed_unit(unit: &str) -> &str {
 /// A unit as it follows a number in a sentence.
 #[must_use]
 pub fn spaced_unit(unit: &str) -> String {
-    if unit == "1" { String::new() } else { format!(" {unit}") }
+    match printed_unit(unit) {
+        "" => String::new(),
+        unit => format!(" {unit}"),
+    }
 }
 
 /// A parameter's lower bound.

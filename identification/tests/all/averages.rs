@@ -1,8 +1,8 @@
 //! Several captures made into one model: narrower intervals that still hold, wider ones where captures disagree.
 
-use crate::common::{SLIDING, run, true_value};
+use crate::common::{Capture, SLIDING, run, true_value};
 use dynamics::{Drive, Effect, Model, Motion, effects, knobs};
-use identification::{Fit, FitOptions, Samples, average, fit};
+use identification::{Fit, FitOptions, average, fit};
 
 fn fitted(knob: &Model, sweep: &str, seed: u64) -> Fit {
     let capture = run(knob, sweep, Drive::Position, None, 8.0, seed);
@@ -139,14 +139,8 @@ fn the_mean_of_maps_has_the_mean_of_their_further_sinusoids() {
         };
         let torque_mnm: Vec<f64> = angle_rad.iter().enumerate().map(torque).collect();
         let t_s: Vec<f64> = (0..angle_rad.len()).map(|row| row as f64).collect();
-        let samples = Samples {
-            t_s: &t_s,
-            angle_rad: &angle_rad,
-            velocity_rad_s: None,
-            acceleration_rad_s2: None,
-            torque_mnm: &torque_mnm,
-        };
-        fit(&samples, &FitOptions { is_quasi_static: true, ..FitOptions::default() }).unwrap()
+        let capture = Capture { t_s, angle_rad, torque_mnm, ..Capture::default() };
+        fit(&capture.samples(), &FitOptions { is_quasi_static: true, ..FitOptions::default() }).unwrap()
     };
     let fits = [map(1.0), map(3.0)];
     let [one, other] = [&fits[0], &fits[1]].map(|fit| fit.model("one"));

@@ -2,7 +2,6 @@
 
 use crate::common::{Capture, RATE_HZ, run};
 use dynamics::{Direction, Drive, Model, Motion, knobs};
-use identification::Samples;
 use identification::checks::{Breakaway, CountError, FreeTravel, breakaways, count_detents, free_travel};
 
 #[test]
@@ -122,14 +121,8 @@ fn a_capture_of_few_samples_a_second_shows_no_breakaway() {
         let t_s: Vec<f64> = (0..2000).map(|row| f64::from(row) / rate_hz).collect();
         let angle_rad: Vec<f64> = (0..2000).map(|row| (f64::from(row) / 50.0).sin()).collect();
         let torque_mnm: Vec<f64> = (0..2000).map(|row| (f64::from(row) / 5.0).sin()).collect();
-        let samples = Samples {
-            t_s: &t_s,
-            angle_rad: &angle_rad,
-            velocity_rad_s: None,
-            acceleration_rad_s2: None,
-            torque_mnm: &torque_mnm,
-        };
-        let seen = breakaways(&samples, None).unwrap();
+        let capture = Capture { t_s, angle_rad, torque_mnm, ..Capture::default() };
+        let seen = breakaways(&capture.samples(), None).unwrap();
         assert!(seen.iter().all(|breakaway| breakaway.torque_mnm.is_finite()), "{rate_hz} Hz: {seen:?}");
         assert!(rate_hz > 50.0 || seen.is_empty(), "{rate_hz} Hz: {seen:?}");
     }

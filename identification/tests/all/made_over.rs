@@ -5,7 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::common::{Uniform, measured};
+use crate::common::{Capture, Uniform, measured};
 use identification::checks::breakaways;
 use identification::{Fit, FitOptions, Samples, fit};
 
@@ -261,14 +261,8 @@ fn a_sine_without_friction_shows_no_breakaway_at_any_rate() {
         let t_s: Vec<f64> = (0..(30.0 * rate_hz) as usize).map(|index| real(index) / rate_hz).collect();
         let angle_rad: Vec<f64> = t_s.iter().map(|t| (PI * t).sin()).collect();
         let torque_mnm: Vec<f64> = angle_rad.iter().map(|angle| -0.2 * PI * PI * angle).collect();
-        let samples = Samples {
-            t_s: &t_s,
-            angle_rad: &angle_rad,
-            velocity_rad_s: None,
-            acceleration_rad_s2: None,
-            torque_mnm: &torque_mnm,
-        };
-        if let Ok(found) = breakaways(&samples, None) {
+        let capture = Capture { t_s, angle_rad, torque_mnm, ..Capture::default() };
+        if let Ok(found) = breakaways(&capture.samples(), None) {
             assert!(found.is_empty(), "{rate_hz} Hz: {} breakaways", found.len());
         }
     }

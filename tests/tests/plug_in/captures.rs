@@ -52,7 +52,7 @@ fn bursts_without_anything_new_are_flagged_and_left_out() {
     let bench = Bench::new().unwrap();
     let (capture, parameters) = captured(&bench, &rig(&bench, "stale_every = 200.0\nstale_for = 7.0", |text| text));
     is_the_plants(&parameters, 0.0, "7 stale ticks in 200");
-    assert!(capture.unmeasured_samples > 1_000, "{}", capture.unmeasured_samples);
+    assert!(capture.unmeasured_samples() > 1_000, "{}", capture.unmeasured_samples());
     assert!(capture.t_s.windows(2).any(|pair| pair[1] - pair[0] > 7.5e-4), "the bursts are gaps");
 }
 

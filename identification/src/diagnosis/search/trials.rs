@@ -213,8 +213,8 @@ impl Search<'_> {
             .map(|parameter| format!("{parameter} stands on the bound of what this capture could show"))
     }
 
-    /// Whether the last effect may be absent: the intervals of all parameters that scale its torque contain zero, or it may act below the least
-    /// speed that is looked for, where it cannot be told from Coulomb friction.
+    /// Whether the last effect may be absent: the intervals of all parameters that scale its torque contain zero, or it may be no more than
+    /// Coulomb friction.
     pub(crate) fn is_nothing(&self, judged: &Judged) -> bool {
         let structure = &judged.structure;
         let values = intervals::given_straight_ends(structure, self.train);

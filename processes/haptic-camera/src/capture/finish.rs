@@ -97,7 +97,7 @@ pub(super) fn read_back(archive: &Path, end: &RunEnd) -> anyhow::Result<Option<(
     say(format!("archive  {} ({} samples)", archive.display(), loaded.capture.len()));
     let capture = &loaded.capture;
     let outcome = end.settle(&Overview {
-        samples: capture.len() as u64 + capture.unmeasured_samples,
+        samples: capture.len() as u64 + capture.unmeasured_samples(),
         lost_samples: capture.lost_samples(),
         gaps: capture.gaps.clone(),
         rig: capture.rig.clone(),
