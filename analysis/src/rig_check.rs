@@ -10,6 +10,9 @@ const MISSED_SHARE: f64 = 0.01;
 /// Share of a period above which the mean exchange with the rig counts as the cause of missed ticks.
 const SLOW_SHARE: f64 = 0.5;
 
+/// Time from which on a stall of the loop is the machine's, and no lower rate avoids it, s.
+const LONG_STALL_S: f64 = 5e-3;
+
 /// What a channel read while nothing moved it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Reading {
@@ -74,15 +77,23 @@ impl RigCheck {
         }
         if missed_ticks as f64 > MISSED_SHARE * ticks {
             let (exchange_ms, period_ms) = (1e3 * capture.rig.mean_exchange_s, 1e3 / capture.rate_hz);
+            let stalls = capture.missed_ticks.iter().flatten().copied();
+            let is_long = |stall: &u32| f64::from(*stall) > LONG_STALL_S * capture.rate_hz;
+            let in_long_stalls: u64 = stalls.clone().filter(is_long).map(u64::from).sum();
             let cause = if exchange_ms > SLOW_SHARE * period_ms {
                 format!(
                     "an exchange with the rig takes {exchange_ms:.2} ms of a period of {period_ms:.2} ms: its driver or library \
-                     waits; have it return at once, or"
+                     waits; have it return at once, or try a lower rate"
+                )
+            } else if 2 * in_long_stalls > missed_ticks {
+                format!(
+                    "the machine stopped the loop for up to {:.0} ms; check again, and see `haptic-camera doctor` if it persists",
+                    1e3 * f64::from(stalls.max().unwrap_or(0)) / capture.rate_hz
                 )
             } else {
-                "this machine cannot hold the rate;".to_owned()
+                "this machine cannot hold the rate; try a lower rate".to_owned()
             };
-            amiss.push(format!("{missed_ticks} of {ticks} ticks were missed: {cause} try a lower rate"));
+            amiss.push(format!("{missed_ticks} of {ticks} ticks were missed: {cause}"));
         }
         if capture.unmeasured_samples() as f64 > MISSED_SHARE * ticks {
             let stale = capture.unmeasured_samples();

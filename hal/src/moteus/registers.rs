@@ -223,7 +223,7 @@ impl Reply {
             } else if register == Register::MillisecondCounter.address() {
                 reply.counter_ms = Some(value.to_i32());
             } else if let Some(index) = CHANNELS.iter().position(|(_, known)| known.address() == register) {
-                // It is asked for in single precision, which needs no scaling.
+                // Channels are requested as floats, to which the crate applies no scaling.
                 let number = f64::from(value.to_f32(&scaling::INT));
                 reply.values[index] = number;
                 reply.valid |= u32::from(number.is_finite()) << index;

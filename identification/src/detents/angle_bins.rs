@@ -160,7 +160,7 @@ impl AngleBins {
             if transform.process(&mut input, &mut output).is_err() {
                 output.fill(Complex::ZERO);
             }
-            // The transform has the other sign in the exponent.
+            // The transform sums over exp(−ikθ).
             output[..count].iter().map(Complex::conj).collect()
         };
         (0..=self.gram.nrows()).map(spectrum).collect()

@@ -76,10 +76,9 @@ impl Misfit {
     pub(crate) fn half_width(&self, derivatives: &RowDVector<f64>, by_chance: f64, fitted: f64) -> f64 {
         let beyond = self.others.iter().map(|Shift { change, covariance, is_of_better_model }| {
             let other = (derivatives * covariance).dot(derivatives);
-            // Hausman's variance of the difference.
+            // By chance the two estimates differ with the difference of their variances (Hausman).
             let chance = (other - fitted).max(LEAST_VARIANCE * other);
-            // The truth lies near a better model's estimate: the interval also covers that estimate's own uncertainty, but only if there is a
-            // shift.
+            // After a clear shift the truth lies near the better model's estimate, whose own uncertainty is covered too.
             let (critical, about) =
                 if *is_of_better_model { (SHARED_95, ONE_SIDED_95 * other.sqrt()) } else { (NORMAL_95, 0.0) };
             let beyond = (derivatives.transpose().dot(change).powi(2) - critical.powi(2) * chance).max(0.0).sqrt();

@@ -273,7 +273,7 @@ fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
     /// Samples that are differentiated together.
     const BLOCK: usize = 2048;
     let (length, size) = (column.len(), rms(column));
-    // Fourth differences show noise: those of a motion are far smaller.
+    // A motion's fourth differences are small. Where most are large, the column is noisy, so it was measured.
     let smooth = vector::small_fourth_differences(column, EXACT * size * MEDIAN_FOURTH_DIFFERENCE);
     if !(size > 0.0 && 2 * smooth > length.saturating_sub(4)) {
         return false;

@@ -71,7 +71,7 @@ impl FourierSums {
         if self.transform.process(bins, &mut sums).is_err() {
             sums.fill(Complex::ZERO);
         }
-        // The transform has the other sign in the exponent.
+        // The transform sums over exp(−i…).
         sums.iter().zip(&self.correction).map(|(sum, correction)| sum.conj() * correction).collect()
     }
 }

@@ -24,8 +24,8 @@ pub fn draw(recording: &RecordingStream, axis: Axis) -> RecordingStreamResult<()
         recording
             .log_static(axis.words(&entities::signal(field)).as_ref(), &line(&axis.words(field), MEASURED, 1.2))?;
     }
-    // rerun draws points over lines: as dots the model is seen over what was measured. At this size a square
-    // looks like a circle and has a fifteenth of its triangles.
+    // rerun draws points over lines, so that the model's dots stay visible over the measured line. At this size a square looks like a
+    // circle and has a fifteenth of its triangles.
     let dots = SeriesPoints::new()
         .with_names([axis.words(MODEL_TORQUE).as_ref()])
         .with_colors([MODEL])

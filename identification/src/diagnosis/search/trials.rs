@@ -307,10 +307,10 @@ pub(crate) fn may_be_zero(structure: &Structure, mut values: Vec<BTreeMap<&'stat
         .filter(|(index, parameter)| effect.kind().regressors.is_some() && is_strength(*index, parameter.unit))
         .map(|(_, parameter)| parameter)
         .collect();
-    // A damper beside a spring is part of a contact, and without stiffness there is no contact.
+    // An end stop is absent if its stiffness is zero, whatever its damping.
     let stiffnesses: Vec<&ParameterKind> =
         linear.iter().copied().filter(|parameter| parameter.unit == "mNm/rad").collect();
     let linear = if stiffnesses.is_empty() { linear } else { stiffnesses };
-    // An effect without a torque of its own is absent if its first parameter (a gap, a stiffness, a delay) is zero.
+    // An effect without such strengths (backlash, a shaft, a delay) is absent if its first parameter is zero.
     if linear.is_empty() { parameters.first().is_some_and(holds_zero) } else { linear.into_iter().all(holds_zero) }
 }

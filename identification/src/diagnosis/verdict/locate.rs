@@ -133,7 +133,7 @@ fn spectrum(residual: &[f64], rows: &[(dynamics::Motion, f64)], capture: &Captur
     let total: f64 = lines.iter().map(|[_, power]| power).sum::<f64>().max(f64::MIN_POSITIVE);
     let mut strongest = (0.0, 0);
     for (index, [_, power]) in lines.iter().enumerate() {
-        // The louder side counts: noise that falls with frequency would stand out from the lines above it.
+        // The louder side counts: where noise falls with frequency, every line is higher than those at higher frequencies.
         let sides = [index.saturating_sub(NEIGHBOURS)..index, index + 1..(index + NEIGHBOURS + 1).min(lines.len())];
         if sides.iter().any(|side| side.len() < FEWEST_NEIGHBOURS) {
             continue;
@@ -142,7 +142,7 @@ fn spectrum(residual: &[f64], rows: &[(dynamics::Motion, f64)], capture: &Captur
             median(&mut lines[side].iter().map(|[_, power]| *power).collect::<Vec<f64>>())
         };
         let neighbours = sides.map(level).into_iter().fold(f64::MIN_POSITIVE, f64::max);
-        // In units of the neighbours' mean, of which their median is ln 2.
+        // In units of the neighbours' mean: the powers of noise are exponentially distributed, with a median of ln 2 of their mean.
         let height = power * std::f64::consts::LN_2 / neighbours;
         if height > strongest.0 {
             strongest = (height, index);

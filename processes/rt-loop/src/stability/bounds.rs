@@ -331,7 +331,7 @@ impl Demands {
     fn look_at_speeds(&mut self, model: &Model, direction: Direction) -> f64 {
         let motion = |speed_rad_s: f64| Motion { velocity_rad_s: direction.sign() * speed_rad_s, ..Motion::default() };
         let friction_mnm = |speed_rad_s| direction.sign() * model.friction_mnm(&motion(speed_rad_s), direction);
-        // Rendered friction never drives.
+        // Where the model's friction is negative, none is rendered.
         let braking_mnm =
             |speed_rad_s| friction_mnm(speed_rad_s).max(0.0) + direction.sign() * model.drag_mnm(&motion(speed_rad_s));
         let step_rad_s = model.axis.fingertip_travel() * FASTEST_RAD_S / f64::from(SPEEDS);
