@@ -35,7 +35,6 @@ mod knob_drawing;
 mod knob_track;
 mod layout;
 mod layout_properties;
-mod lock;
 mod model_curves;
 mod model_torque;
 mod numbers;
@@ -77,7 +76,6 @@ use crate::capture_source::CaptureSource;
 use crate::cli::{Arguments, Command};
 use crate::glance::SharedGlance;
 use crate::layout::Subject;
-use crate::lock::lock;
 use crate::outbox::Outbox;
 use crate::picture::Picture;
 use crate::rig_source::RigSource;
@@ -145,7 +143,7 @@ fn show(arguments: &Arguments) -> anyhow::Result<bool> {
             source.poll(samples_wanted, &mut picture)?;
             if Instant::now() >= next_frame {
                 next_frame = Instant::now() + FRAME_PERIOD;
-                *lock(&glance) = glance::of(&picture.run);
+                *glance.lock() = glance::of(&picture.run);
                 if let Some(frame) = picture.next_frame(outbox.dropped()) {
                     outbox.push(frame);
                 }

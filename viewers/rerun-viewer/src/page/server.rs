@@ -6,7 +6,7 @@
 
 use std::convert::Infallible;
 use std::net::TcpListener;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use http_body_util::Full;
@@ -16,10 +16,10 @@ use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper::{Request, Response, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
+use parking_lot::Mutex;
 use tokio::net::TcpStream;
 use tokio::task::AbortHandle;
 
-use crate::lock::lock;
 use crate::peer;
 
 /// How long a client may take nothing of what waits for it, and how long it may take to send a request.
@@ -88,7 +88,7 @@ async fn attend(client: TcpStream, answers: Option<Answers>, asked: LastRequest,
         response(StatusCode::FORBIDDEN, REFUSAL.into(), headers)
     };
     let answer = |request: Request<Incoming>| {
-        *lock(&asked) = Some(Instant::now());
+        *asked.lock() = Some(Instant::now());
         let answer = answers.as_ref().map_or_else(refusal, |answers| answers(&request));
         std::future::ready(Ok::<_, Infallible>(answer))
     };
@@ -110,7 +110,7 @@ type Connections = Vec<(AbortHandle, LastRequest)>;
 /// Ends connections until there are fewer than `most`: those first that never asked, then those that asked long ago.
 fn make_room(open: &mut Connections, most: usize) {
     open.retain(|(task, _)| !task.is_finished());
-    let asked = |(_, asked): &(_, LastRequest)| *lock(asked);
+    let asked = |(_, asked): &(_, LastRequest)| *asked.lock();
     while open.len() >= most
         && let Some(idlest) = (0..open.len()).min_by_key(|place| asked(&open[*place]))
     {
