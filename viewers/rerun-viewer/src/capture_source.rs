@@ -4,7 +4,7 @@ use std::path::Path;
 
 use archive::Capture;
 use dynamics::{Calibration, Model};
-use identification::{Fit, FitOptions, MeasuredCurve, statistics};
+use identification::{Fit, MeasuredCurve, statistics};
 use loaded_capture::LoadedCapture;
 
 use crate::capture_summary;
@@ -31,14 +31,8 @@ impl CaptureSource {
     /// An error is one sentence on what is wrong with the file.
     pub fn open(path: &Path) -> anyhow::Result<Self> {
         let loaded = LoadedCapture::load(path)?;
-        let axis = loaded.capture.axis;
-        let options = FitOptions {
-            calibration: loaded.calibration.clone(),
-            characteristic: !axis.is_rotary(),
-            axis,
-            ..FitOptions::default()
-        };
-        let fit = identification::fit(&loaded.samples(), &options).map_err(|error| error.to_string());
+        let fit = identification::fit(&loaded.samples(), &analysis::fit_options(&loaded));
+        let fit = fit.map_err(|error| error.to_string());
         let LoadedCapture { capture, calibration, .. } = loaded;
         Ok(Self { capture, calibration, fit, next_row: 0 })
     }

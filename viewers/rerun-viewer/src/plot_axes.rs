@@ -3,6 +3,8 @@
 //! rerun has no x-y plot. One is drawn in a plane instead: the plot's box is [`BOX_WIDTH`] by
 //! [`BOX_HEIGHT`] with y downwards, whatever the quantities' units, so that it fills its view.
 
+use report::numbers::fixed;
+
 use crate::extent::Extent;
 
 pub const BOX_WIDTH: f64 = 150.0;
@@ -43,10 +45,7 @@ impl Axis {
     pub fn ticks(&self) -> Vec<(f64, String)> {
         let decimals = (-self.step.log10().floor()).clamp(0.0, 9.0) as usize;
         let [first, last] = [self.low, self.high].map(|end| (end / self.step).round() as i64);
-        (first..=last)
-            .map(|index| index as f64 * self.step)
-            .map(|value| (value, format!("{value:.decimals$}").replace('-', "\u{2212}")))
-            .collect()
+        (first..=last).map(|index| index as f64 * self.step).map(|value| (value, fixed(value, decimals))).collect()
     }
 
     pub fn span(&self) -> f64 {
