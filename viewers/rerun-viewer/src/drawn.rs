@@ -106,19 +106,15 @@ impl Kept {
     fn seal(&mut self) {
         let (number, mut chunks) = (self.next, Vec::new());
         for message in std::mem::take(&mut self.loose) {
-            let rows = match &message {
-                LogMsg::ArrowMsg(store, data) if !store.is_blueprint() => {
-                    Chunk::from_arrow_msg(data).ok().zip(Some(store))
-                }
+            let key = match &message {
+                LogMsg::ArrowMsg(store, data) if !store.is_blueprint() => match Chunk::from_arrow_msg(data) {
+                    Ok(chunk) if !chunk.is_static() => {
+                        chunks.push((store.clone(), chunk));
+                        continue;
+                    }
+                    lasting => lasting.ok().map(|chunk| key(store, &chunk)),
+                },
                 _ => None,
-            };
-            let key = match rows {
-                Some((chunk, store)) if chunk.is_static() => Some(key(store, &chunk)),
-                Some((chunk, store)) => {
-                    chunks.push((store.clone(), chunk));
-                    continue;
-                }
-                None => None,
             };
             self.lasting.retain(|old| key.is_none() || old.key != key);
             self.lasting.push(Lasting { number, key, message });

@@ -14,7 +14,7 @@ use dynamics::{Calibration, Direction, Effect, EffectKind, Model, Motion};
 use shared_types::{Estimate, FitUpdate, Verdict};
 
 use crate::entities::{EQUATION_ONE, parameters};
-use crate::extent;
+use crate::extent::{self, Extent};
 
 /// Equation 1 with the parameters of one fit.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -77,7 +77,7 @@ impl KnobModel {
 
     /// Least and largest torque over all angles while turning at this velocity, in addition to zero and friction, mNm; `None` where
     /// the torque does not depend on the angle.
-    pub fn range_over_angle_mnm(&self, velocity_rad_s: f64) -> Option<[f64; 2]> {
+    pub fn range_over_angle_mnm(&self, velocity_rad_s: f64) -> Option<Extent> {
         let measured = || self.model.effects.iter().filter(|effect| effect.table().is_some());
         let Some(table) = measured().find_map(Effect::table) else {
             return self.detent().map(|[amplitude, ..]| [-amplitude.abs(), amplitude.abs()]);
@@ -87,7 +87,7 @@ impl KnobModel {
             let motion = Motion { angle_rad: *angle_rad, velocity_rad_s, ..Motion::default() };
             measured().map(|effect| effect.free_torque_mnm(&motion) + effect.friction_mnm(&motion, direction)).sum()
         };
-        extent::of(table.points().iter().map(torque_mnm)).map(Into::into)
+        extent::of(table.points().iter().map(torque_mnm))
     }
 
     /// Coulomb and viscous friction while turning, with the sensor's zero, mNm; NaN where it is not identified.

@@ -53,8 +53,11 @@ pub fn alarmed(count: u64) -> String {
 
 /// The smallest and the largest value of each signal as a table in Markdown; nothing where there is no value.
 pub fn ranges(of: &str, ranges: impl IntoIterator<Item = (&'static str, Option<Extent>)>) -> String {
-    let row = |(signal, (low, high))| format!("| {signal} | {} | {} |\n", three_digits(low), three_digits(high));
-    let rows: String = ranges.into_iter().filter_map(|(signal, range)| Some(row((signal, range?)))).collect();
+    let row = |(signal, range): (&str, Option<Extent>)| {
+        let [low, high] = range?.map(three_digits);
+        Some(format!("| {signal} | {low} | {high} |\n"))
+    };
+    let rows: String = ranges.into_iter().filter_map(row).collect();
     if rows.is_empty() { rows } else { format!("| {of} | from | to |\n|---|---:|---:|\n{rows}\n") }
 }
 

@@ -36,7 +36,7 @@ impl Axis {
     }
 
     /// The axis that is shown while it fits the range, else a new one: an axis that jumped about could not be read.
-    pub fn following(shown: Option<Self>, (low, high): Extent) -> Self {
+    pub fn following(shown: Option<Self>, [low, high]: Extent) -> Self {
         let fits = |axis: &Self| axis.low <= low && high <= axis.high && high - low > axis.span() / 2.0;
         shown.filter(fits).unwrap_or_else(|| Self::around(low, high))
     }
@@ -100,9 +100,9 @@ mod tests {
     #[test]
     fn an_axis_stays_while_the_data_fits() {
         let axis = Axis::around(-4.0, 4.0);
-        assert_eq!(Axis::following(Some(axis), (-3.0, 3.9)), axis);
-        assert!(Axis::following(Some(axis), (-3.0, 4.5)).high > axis.high);
-        assert!(Axis::following(Some(axis), (-0.5, 0.5)).high < axis.high);
+        assert_eq!(Axis::following(Some(axis), [-3.0, 3.9]), axis);
+        assert!(Axis::following(Some(axis), [-3.0, 4.5]).high > axis.high);
+        assert!(Axis::following(Some(axis), [-0.5, 0.5]).high < axis.high);
     }
 
     #[test]
