@@ -202,23 +202,19 @@ pub(crate) mod tests {
 
     #[test]
     fn whoever_takes_nothing_is_let_go_and_what_waits_for_him_is_freed() {
-        /// The body of an answer, which tells when it is freed.
-        struct Body(Vec<u8>, mpsc::Sender<()>);
-        impl AsRef<[u8]> for Body {
-            fn as_ref(&self) -> &[u8] {
-                &self.0
-            }
+        let (given, is_given) = mpsc::channel();
+        let body = move || {
+            let body: Arc<[u8]> = vec![0; 100 << 20].into();
+            given.send(Arc::downgrade(&body)).unwrap();
+            Bytes::from_owner(body)
+        };
+        let wedged = ask(serving(body, PATIENCE), "/");
+        let deadline = Instant::now() + Duration::from_secs(60);
+        let body = is_given.recv_timeout(Duration::from_secs(60)).unwrap();
+        while body.strong_count() > 0 {
+            assert!(Instant::now() < deadline, "the answer is kept");
+            std::thread::sleep(Duration::from_millis(10));
         }
-        impl Drop for Body {
-            fn drop(&mut self) {
-                let _ = self.1.send(());
-            }
-        }
-        let (freed, is_freed) = mpsc::channel();
-        let body = move || Bytes::from_owner(Body(vec![0; 100 << 20], freed.clone()));
-        let address = serving(body, PATIENCE);
-        let wedged = ask(address, "/");
-        is_freed.recv_timeout(Duration::from_secs(60)).unwrap();
         drop(wedged);
     }
 
