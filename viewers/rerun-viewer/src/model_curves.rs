@@ -15,7 +15,6 @@ const MAX_CURVE_POINTS: f64 = 2_000.0;
 /// The model in a plot: curves as (x, torque).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModelCurves {
-    /// The model itself.
     pub curves: Vec<Curve>,
     /// Lower and upper ends of its 95 % interval.
     pub borders: Vec<Curve>,

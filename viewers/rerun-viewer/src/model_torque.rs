@@ -163,25 +163,10 @@ pub(crate) mod tests {
         Estimate { value, ci95_low, ci95_high, verdict, convergence }
     }
 
-    /// Knob 3 of the paper's Table 5.
-    fn knob_three() -> FitUpdate {
-        let known = |value| estimated(value, 0.0, Convergence::Converged);
-        FitUpdate {
-            inertia: known(0.035),
-            coulomb_negative: known(2.3),
-            viscous_negative: known(-0.15),
-            coulomb_positive: known(2.3),
-            viscous_positive: known(-0.24),
-            detent_amplitude: known(1.1),
-            detent_period: known(0.034),
-            detent_phase: known(0.16),
-            ..FitUpdate::default()
-        }
-    }
-
     #[test]
     fn the_torque_of_knob_three_is_equation_one_worked_by_hand() {
-        let model = KnobModel::from_fit(&knob_three()).unwrap();
+        let knob = dynamics::knobs::paper_knob(3).unwrap();
+        let model = KnobModel::from_estimates(|name| Some([knob.parameter(name)?, 0.0])).unwrap();
         // 0.035·100 + 2.3 − 0.24·2 + 1.1·sin(0.1/0.034 + 0.16) = 5.32 + 1.1·sin(3.101176)
         assert!((model.torque_mnm(0.1, 2.0, 100.0) - 5.364_445).abs() < 1e-5);
         // −2.3 + (−0.15)(−2) + 1.1·sin(0.16)
@@ -193,23 +178,24 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_term_that_is_not_identified_is_left_out() {
-        let mut fit = knob_three();
-        fit.detent_period.verdict = Verdict::NotYet.code();
-        fit.inertia.value = f64::NAN;
+    fn a_term_that_is_not_identified_is_left_out_and_without_its_friction_a_direction_has_no_torque() {
+        let known = |value| estimated(value, 0.0, Convergence::Converged);
+        let fit = FitUpdate {
+            inertia: known(f64::NAN),
+            coulomb_negative: Estimate { verdict: Verdict::NotYet.code(), ..known(2.3) },
+            coulomb_positive: known(2.3),
+            viscous_negative: known(-0.15),
+            viscous_positive: known(-0.24),
+            detent_amplitude: known(1.1),
+            detent_period: Estimate { verdict: Verdict::NotYet.code(), ..known(0.034) },
+            detent_phase: known(0.16),
+            ..FitUpdate::default()
+        };
         let model = KnobModel::from_fit(&fit).unwrap();
         assert_eq!(model.torque_mnm(0.1, 1.0, 1_000.0), 2.3 - 0.24);
+        assert!(model.torque_mnm(0.1, -2.0, 100.0).is_nan());
         assert_eq!(model.detent(), None);
         assert_eq!(KnobModel::from_fit(&FitUpdate::default()), None);
-    }
-
-    #[test]
-    fn turning_in_a_direction_whose_friction_is_not_identified_has_no_torque() {
-        let mut fit = knob_three();
-        fit.coulomb_negative.verdict = Verdict::NotYet.code();
-        let model = KnobModel::from_fit(&fit).unwrap();
-        assert!(model.torque_mnm(0.1, -2.0, 100.0).is_nan());
-        assert!(model.torque_mnm(0.1, 2.0, 100.0).is_finite());
     }
 
     #[test]

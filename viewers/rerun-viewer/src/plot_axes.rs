@@ -55,7 +55,6 @@ impl Axis {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlotAxes {
-    /// Horizontal, to the right.
     pub x: Axis,
     /// Vertical, upwards.
     pub y: Axis,
