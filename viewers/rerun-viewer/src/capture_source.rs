@@ -125,8 +125,6 @@ fn torque(fit: &Fit, calibration: Option<&Calibration>) -> impl Iterator<Item = 
 
 #[cfg(test)]
 mod tests {
-    use std::io::Write as _;
-
     use super::*;
 
     /// An inertia, mNm s²/rad, with 4 mNm of Coulomb friction, turned to and fro at 3 rad/s: time, angle and torque.
@@ -139,10 +137,10 @@ mod tests {
     }
 
     fn table(rows: impl Iterator<Item = (f64, f64, f64)>) -> tempfile::NamedTempFile {
-        let mut file = tempfile::Builder::new().suffix(".csv").tempfile().unwrap();
-        writeln!(file, "t_s,angle_rad,torque_mnm").unwrap();
-        rows.for_each(|(t_s, angle_rad, torque_mnm)| writeln!(file, "{t_s},{angle_rad},{torque_mnm}").unwrap());
-        file.flush().unwrap();
+        let file = tempfile::Builder::new().suffix(".csv").tempfile().unwrap();
+        let rows: String =
+            rows.map(|(t_s, angle_rad, torque_mnm)| format!("{t_s},{angle_rad},{torque_mnm}\n")).collect();
+        std::fs::write(&file, format!("t_s,angle_rad,torque_mnm\n{rows}")).unwrap();
         file
     }
 

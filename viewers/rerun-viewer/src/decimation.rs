@@ -12,7 +12,6 @@ pub enum Keep {
     Max,
 }
 
-/// Cuts one signal into bins and keeps their extremes.
 #[derive(Clone, Debug)]
 pub struct Decimator {
     keep: Keep,

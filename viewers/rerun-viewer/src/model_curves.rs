@@ -9,7 +9,6 @@ use crate::model_torque::KnobModel;
 const CURVE_POINTS: usize = 121;
 /// Points per detent of a curve that has, and of the ring of detents.
 pub const POINTS_PER_DETENT: f64 = 16.0;
-/// Most points of a curve.
 const MAX_CURVE_POINTS: f64 = 2_000.0;
 
 /// The model in a plot: curves as (x, torque).

@@ -147,7 +147,6 @@ pub(crate) mod tests {
 
     use super::*;
 
-    /// The calibration of some rig.
     pub(crate) fn calibration() -> Calibration {
         let known = "gripper_inertia = 0.004\nmotor_inertia = 0.016\ntorque_sensor_stiffness_mnm_rad = 5e5\n\
                      torque_zero_mnm = 0.6\ntorque_delay_s = 0.0\nacceleration_zero_rad_s2 = 0.0\n\

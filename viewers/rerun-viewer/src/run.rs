@@ -14,7 +14,6 @@ use crate::source::Reading;
 pub struct Run {
     /// Identity; `None` before a run is known.
     pub id: Option<u64>,
-    /// The axis, rotary or linear, once it is known.
     pub axis: Option<Axis>,
     pub description: Option<RunDescription>,
     /// Of the rig; without one the model's torque is drawn as if the rig were ideal.
