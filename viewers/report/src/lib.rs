@@ -13,7 +13,7 @@ mod comparison;
 mod diagnosis;
 mod figures;
 mod intervals;
-mod numbers;
+pub mod numbers;
 mod page;
 mod parameter_table;
 mod plot;

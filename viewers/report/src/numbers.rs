@@ -96,7 +96,8 @@ pub(crate) fn printed(value: f64) -> String {
 }
 
 /// A whole number in groups of three.
-pub(crate) fn count(number: u64) -> String {
+#[must_use]
+pub fn count(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {
@@ -109,7 +110,8 @@ pub(crate) fn count(number: u64) -> String {
 }
 
 /// A number with so many decimals and a true minus sign, which zero never has.
-pub(crate) fn fixed(value: f64, decimals: usize) -> String {
+#[must_use]
+pub fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let zero = text.chars().all(|letter| matches!(letter, '-' | '0' | '.'));
     if zero { text.trim_start_matches('-').to_owned() } else { text.replace('-', "−") }

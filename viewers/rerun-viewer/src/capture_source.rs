@@ -4,7 +4,7 @@ use std::path::Path;
 
 use archive::Capture;
 use dynamics::{Calibration, Model};
-use identification::{Fit, FitOptions, MeasuredCurve, statistics};
+use identification::{Fit, MeasuredCurve, statistics};
 use loaded_capture::LoadedCapture;
 
 use crate::capture_summary;
@@ -31,14 +31,8 @@ impl CaptureSource {
     /// An error is one sentence on what is wrong with the file.
     pub fn open(path: &Path) -> anyhow::Result<Self> {
         let loaded = LoadedCapture::load(path)?;
-        let axis = loaded.capture.axis;
-        let options = FitOptions {
-            calibration: loaded.calibration.clone(),
-            characteristic: !axis.is_rotary(),
-            axis,
-            ..FitOptions::default()
-        };
-        let fit = identification::fit(&loaded.samples(), &options).map_err(|error| error.to_string());
+        let fit = identification::fit(&loaded.samples(), &analysis::fit_options(&loaded));
+        let fit = fit.map_err(|error| error.to_string());
         let LoadedCapture { capture, calibration, .. } = loaded;
         Ok(Self { capture, calibration, fit, next_row: 0 })
     }
@@ -131,8 +125,6 @@ fn torque(fit: &Fit, calibration: Option<&Calibration>) -> impl Iterator<Item = 
 
 #[cfg(test)]
 mod tests {
-    use std::io::Write as _;
-
     use super::*;
 
     /// An inertia, mNm s²/rad, with 4 mNm of Coulomb friction, turned to and fro at 3 rad/s: time, angle and torque.
@@ -145,10 +137,10 @@ mod tests {
     }
 
     fn table(rows: impl Iterator<Item = (f64, f64, f64)>) -> tempfile::NamedTempFile {
-        let mut file = tempfile::Builder::new().suffix(".csv").tempfile().unwrap();
-        writeln!(file, "t_s,angle_rad,torque_mnm").unwrap();
-        rows.for_each(|(t_s, angle_rad, torque_mnm)| writeln!(file, "{t_s},{angle_rad},{torque_mnm}").unwrap());
-        file.flush().unwrap();
+        let file = tempfile::Builder::new().suffix(".csv").tempfile().unwrap();
+        let rows: String =
+            rows.map(|(t_s, angle_rad, torque_mnm)| format!("{t_s},{angle_rad},{torque_mnm}\n")).collect();
+        std::fs::write(&file, format!("t_s,angle_rad,torque_mnm\n{rows}")).unwrap();
         file
     }
 
@@ -196,13 +188,15 @@ mod tests {
     }
 
     #[test]
-    fn a_capture_that_cannot_be_fitted_is_shown_alone_with_the_reason() {
-        let still = (0..1_000).map(|row| (f64::from(row) / 1_000.0, 0.5, f64::from(row % 3)));
+    fn a_capture_that_cannot_be_fitted_is_shown_alone_with_its_ranges_and_the_reason() {
+        let still = (0..1_000).map(|row| (f64::from(row) / 1_000.0, 0.5, f64::from(row % 3) - 1.0));
         let mut source = CaptureSource::open(table(still).path()).unwrap();
         let mut picture = Picture::of_capture(source.capture.len());
         source.poll(true, &mut picture).unwrap();
         let frame = picture.next_frame(0).unwrap();
         assert!(!frame.series.contains_key("signals/model_torque_mnm") && !frame.plots.is_empty());
-        assert!(frame.texts[0].1.contains("**No model:** the knob did not move"), "{:?}", frame.texts);
+        let (_, text) = &frame.texts[0];
+        assert!(text.contains("**No model:** the knob did not move"), "{text}");
+        assert!(text.contains("| torque_mnm | \u{2212}1.00 | 1.00 |") && !text.contains("velocity_rad_s"), "{text}");
     }
 }

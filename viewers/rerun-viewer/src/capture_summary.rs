@@ -115,13 +115,4 @@ mod tests {
     fn a_rate_is_written_without_idle_digits() {
         assert_eq!([10_000.0, 1_024.0, 66.67].map(rate), ["10 kHz", "1.024 kHz", "67 Hz"]);
     }
-
-    #[test]
-    fn a_capture_without_a_model_says_why_and_still_shows_its_ranges() {
-        let capture = Capture::from_columns(1_000.0, vec![0.0, 0.1, 0.2], vec![-1.0, 0.0, 3.0]);
-        let text = markdown(&capture, &Err("the knob did not move; excite it with a sweep".to_owned()));
-        assert!(text.contains("**No model:** the knob did not move; excite it with a sweep"));
-        assert!(text.contains("| torque_mnm | \u{2212}1.00 | 3.00 |"));
-        assert!(!text.contains("velocity_rad_s"));
-    }
 }

@@ -37,8 +37,7 @@ impl Pen {
 
     pub fn draw(&mut self, frame: &Frame) -> anyhow::Result<()> {
         let Self { recording, axis, plots, slider } = self;
-        for (entity, points) in &frame.series {
-            let Points { times_ns, values } = points;
+        for (entity, Points { times_ns, values }) in &frame.series {
             let times = TimeColumn::new_duration_nanos(TIMELINE, times_ns.iter().copied());
             let at_a_time = times_ns.iter().map(|_| values.len() / times_ns.len());
             let values = Scalars::new(values.iter().copied()).columns(at_a_time)?;

@@ -5,9 +5,10 @@
 //! state as long as the viewer lives; of the run itself, as much is kept as there is room for.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use anyhow::Context as _;
+use parking_lot::Mutex;
 use rerun::SizeBytes as _;
 use rerun::external::re_log_encoding::Encoder;
 use rerun::external::re_log_types::StoreId;
@@ -16,7 +17,6 @@ use rerun::sink::CallbackSink;
 use serde::Serialize;
 
 use crate::drawing::TIMELINE;
-use crate::lock::lock;
 
 /// Bytes of the run at which an answer ends: more than the 10 s that the plots show. At least as much is kept, for the pages that
 /// are open.
@@ -79,18 +79,18 @@ impl Drawn {
     /// Where a recording sends what is drawn.
     pub fn sink(&self) -> CallbackSink {
         let drawn = self.clone();
-        CallbackSink::new(move |messages| lock(&drawn.0).loose.extend_from_slice(messages))
+        CallbackSink::new(move |messages| drawn.0.lock().loose.extend_from_slice(messages))
     }
 
     /// Makes a frame of what has come since the last one.
     pub fn seal(&self) {
-        lock(&self.0).seal();
+        self.0.lock().seal();
     }
 
     /// The newest of the kept frames from number `from` to before number `to`, as a rerun file that is empty when nothing is new.
     /// Without `to`, the frames reach to the newest one, and the file also has the new messages without a time.
     pub fn answer(&self, from: u64, to: Option<u64>) -> anyhow::Result<(Contents, Vec<u8>)> {
-        let (contents, mut messages, chunks) = lock(&self.0).pick(from, to);
+        let (contents, mut messages, chunks) = self.0.lock().pick(from, to);
         let mut chunks = merged(chunks)?;
         // The newest row last: once the viewer holds it, it holds all of them.
         chunks.sort_by_key(|(_, chunk)| newest_ns(chunk));
@@ -106,19 +106,15 @@ impl Kept {
     fn seal(&mut self) {
         let (number, mut chunks) = (self.next, Vec::new());
         for message in std::mem::take(&mut self.loose) {
-            let rows = match &message {
-                LogMsg::ArrowMsg(store, data) if !store.is_blueprint() => {
-                    Chunk::from_arrow_msg(data).ok().zip(Some(store))
-                }
+            let key = match &message {
+                LogMsg::ArrowMsg(store, data) if !store.is_blueprint() => match Chunk::from_arrow_msg(data) {
+                    Ok(chunk) if !chunk.is_static() => {
+                        chunks.push((store.clone(), chunk));
+                        continue;
+                    }
+                    lasting => lasting.ok().map(|chunk| key(store, &chunk)),
+                },
                 _ => None,
-            };
-            let key = match rows {
-                Some((chunk, store)) if chunk.is_static() => Some(key(store, &chunk)),
-                Some((chunk, store)) => {
-                    chunks.push((store.clone(), chunk));
-                    continue;
-                }
-                None => None,
             };
             self.lasting.retain(|old| key.is_none() || old.key != key);
             self.lasting.push(Lasting { number, key, message });

@@ -3,9 +3,10 @@
 //! The page asks for them twice a second, beside rerun's stream: so they are there at once, whatever the
 //! browser still has to draw, and a stream that has stopped is noticed.
 
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use dynamics::ParameterKind;
+use parking_lot::Mutex;
 use serde_json::{Value, json};
 use shared_types::{Estimate, LoopState, rig};
 

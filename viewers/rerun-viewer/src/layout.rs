@@ -28,7 +28,6 @@ const LIVE_WINDOW_S: i64 = 10;
 const EYE: [f32; 3] = [0.0, -1.9, 2.7];
 const LOOK_TARGET: [f32; 3] = [0.0, -0.12, 0.0];
 
-/// What is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Subject {
     /// Whether it is the running capture, of which the last seconds are shown; of a finished one, all is.

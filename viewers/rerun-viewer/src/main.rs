@@ -35,7 +35,6 @@ mod knob_drawing;
 mod knob_track;
 mod layout;
 mod layout_properties;
-mod lock;
 mod model_curves;
 mod model_torque;
 mod numbers;
@@ -77,9 +76,8 @@ use crate::capture_source::CaptureSource;
 use crate::cli::{Arguments, Command};
 use crate::glance::SharedGlance;
 use crate::layout::Subject;
-use crate::lock::lock;
 use crate::outbox::Outbox;
-use crate::picture::Picture;
+use crate::picture::{Picture, Timer};
 use crate::rig_source::RigSource;
 use crate::screen::Screen;
 use crate::source::Source;
@@ -88,7 +86,6 @@ use crate::source::Source;
 const DESCRIPTION_PATIENCE: Duration = Duration::from_secs(1);
 /// How often shared memory is looked at.
 const POLL_PERIOD: Duration = Duration::from_millis(20);
-/// How often a frame goes to the screen.
 const FRAME_PERIOD: Duration = Duration::from_millis(250);
 /// Exit status when a file was written but lacks something.
 const EXIT_DATA_LOST: i32 = 3;
@@ -137,15 +134,14 @@ fn show(arguments: &Arguments) -> anyhow::Result<bool> {
 
     let outbox = Arc::new(Outbox::new(OUTBOX_FRAMES));
     let shown = screen.show_from(Arc::clone(&outbox))?;
-    let mut next_frame = Instant::now();
+    let mut frames = Timer::default();
     while !(stop.is_asked() || outbox.is_closed() || (ends_with_run && picture.ended)) {
         // A file waits for a slow screen; a rig would lose what is not taken in.
         if subject.is_live || !outbox.is_full() {
             let samples_wanted = picture.run.rate_hz().is_some();
             source.poll(samples_wanted, &mut picture)?;
-            if Instant::now() >= next_frame {
-                next_frame = Instant::now() + FRAME_PERIOD;
-                *lock(&glance) = glance::of(&picture.run);
+            if frames.is_due(FRAME_PERIOD) {
+                *glance.lock() = glance::of(&picture.run);
                 if let Some(frame) = picture.next_frame(outbox.dropped()) {
                     outbox.push(frame);
                 }

@@ -9,13 +9,11 @@ use crate::model_torque::KnobModel;
 const CURVE_POINTS: usize = 121;
 /// Points per detent of a curve that has, and of the ring of detents.
 pub const POINTS_PER_DETENT: f64 = 16.0;
-/// Most points of a curve.
 const MAX_CURVE_POINTS: f64 = 2_000.0;
 
 /// The model in a plot: curves as (x, torque).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModelCurves {
-    /// The model itself.
     pub curves: Vec<Curve>,
     /// Lower and upper ends of its 95 % interval.
     pub borders: Vec<Curve>,
@@ -26,7 +24,7 @@ pub struct ModelCurves {
 pub type Curve = Vec<[f64; 2]>;
 
 /// Torque over angle, two curves: the knob turning slowly either way, without inertia.
-pub fn torque_over_angle(model: &KnobModel, (low, high): Extent) -> ModelCurves {
+pub fn torque_over_angle(model: &KnobModel, [low, high]: Extent) -> ModelCurves {
     let points = model.detent().map_or(CURVE_POINTS, |[_, period, _]| {
         let resolving = (POINTS_PER_DETENT * (high - low) / (TAU * period.abs())).min(MAX_CURVE_POINTS) as usize;
         resolving.max(CURVE_POINTS)
@@ -40,7 +38,7 @@ pub fn torque_over_angle(model: &KnobModel, (low, high): Extent) -> ModelCurves 
 }
 
 /// Torque over velocity: friction in either direction, and the least and the largest torque that the angle adds to it.
-pub fn torque_over_velocity(model: &KnobModel, (low, high): Extent) -> ModelCurves {
+pub fn torque_over_velocity(model: &KnobModel, [low, high]: Extent) -> ModelCurves {
     let mut drawn = ModelCurves::default();
     for (from, to) in [(low, -f64::MIN_POSITIVE), (f64::MIN_POSITIVE, high)] {
         if from < to {
@@ -89,12 +87,12 @@ mod tests {
     fn coulomb_friction_is_a_step_over_velocity_and_two_lines_over_angle() {
         let coulomb = |name: &str| name.starts_with("coulomb_").then_some([2.5, 0.0]);
         let model = KnobModel::from_estimates(coulomb).unwrap();
-        let over_velocity = torque_over_velocity(&model, (-3.0, 4.0));
+        let over_velocity = torque_over_velocity(&model, [-3.0, 4.0]);
         assert_eq!(
             over_velocity.curves,
             [[[-3.0, -2.5], [-f64::MIN_POSITIVE, -2.5]], [[f64::MIN_POSITIVE, 2.5], [4.0, 2.5]]]
         );
-        let over_angle = torque_over_angle(&model, (-1.0, 1.0));
+        let over_angle = torque_over_angle(&model, [-1.0, 1.0]);
         assert!(over_angle.curves[0].iter().all(|point| point[1] == -2.5));
         assert!(over_angle.curves[1].iter().all(|point| point[1] == 2.5));
         assert_eq!(over_angle.half_width_mnm, Some(0.0));

@@ -1,5 +1,7 @@
 //! Numbers as they are written in texts.
 
+pub use report::numbers::count as grouped;
+use report::numbers::fixed;
 use shared_types::Estimate;
 
 use crate::extent::Extent;
@@ -21,20 +23,17 @@ pub fn with_half_width(value: f64, half_width: f64) -> String {
         let scale = 10_f64.powi(power);
         return format!("({})e\u{2212}{}", with_half_width(value / scale, half_width / scale), -power);
     }
-    let sign = |number: String| number.replace('-', "\u{2212}");
     if !half_width.is_finite() || half_width <= 0.0 {
-        return sign(format!("{value:.4}"));
+        return fixed(value, 4);
     }
     let decimals = (1.0 - half_width.log10().floor()).clamp(0.0, 8.0) as usize;
-    sign(format!("{value:.decimals$} ± {half_width:.decimals$}"))
+    format!("{} ± {}", fixed(value, decimals), fixed(half_width, decimals))
 }
 
 /// A number with about three digits that count.
 pub fn three_digits(value: f64) -> String {
     let decimals = (2.0 - value.abs().max(1e-3).log10().floor()).clamp(0.0, 3.0) as usize;
-    let digits = format!("{:.decimals$}", value.abs());
-    let is_zero = digits.bytes().all(|digit| matches!(digit, b'0' | b'.'));
-    if value < 0.0 && !is_zero { format!("\u{2212}{digits}") } else { digits }
+    fixed(value, decimals)
 }
 
 /// A parameter with three digits that count; `3.99e−6` of what is small.
@@ -42,10 +41,7 @@ pub fn three_figures(value: f64) -> String {
     let power = value.abs().log10().floor() as i32;
     match power {
         -30..SMALL_POWER => format!("{}e\u{2212}{}", three_figures(value / 10_f64.powi(power)), -power),
-        SMALL_POWER..0 => {
-            let decimals = (2 - power).unsigned_abs() as usize;
-            format!("{value:.decimals$}").replace('-', "\u{2212}")
-        }
+        SMALL_POWER..0 => fixed(value, (2 - power).unsigned_abs() as usize),
         _ => three_digits(value),
     }
 }
@@ -55,18 +51,13 @@ pub fn alarmed(count: u64) -> String {
     if count == 0 { "0".to_owned() } else { format!("**{}**", grouped(count)) }
 }
 
-/// A count with its thousands apart.
-pub fn grouped(count: u64) -> String {
-    let digits = count.to_string();
-    let thousands: Vec<&str> =
-        digits.as_bytes().rchunks(3).rev().filter_map(|group| str::from_utf8(group).ok()).collect();
-    thousands.join("\u{202f}")
-}
-
 /// The smallest and the largest value of each signal as a table in Markdown; nothing where there is no value.
 pub fn ranges(of: &str, ranges: impl IntoIterator<Item = (&'static str, Option<Extent>)>) -> String {
-    let row = |(signal, (low, high))| format!("| {signal} | {} | {} |\n", three_digits(low), three_digits(high));
-    let rows: String = ranges.into_iter().filter_map(|(signal, range)| Some(row((signal, range?)))).collect();
+    let row = |(signal, range): (&str, Option<Extent>)| {
+        let [low, high] = range?.map(three_digits);
+        Some(format!("| {signal} | {low} | {high} |\n"))
+    };
+    let rows: String = ranges.into_iter().filter_map(row).collect();
     if rows.is_empty() { rows } else { format!("| {of} | from | to |\n|---|---:|---:|\n{rows}\n") }
 }
 
@@ -98,10 +89,5 @@ mod tests {
     fn a_parameter_has_three_figures() {
         let written = [0.0, 0.0019, -0.07, 3.986e-6, 12.34].map(three_figures);
         assert_eq!(written, ["0.000", "0.00190", "\u{2212}0.0700", "3.99e\u{2212}6", "12.3"]);
-    }
-
-    #[test]
-    fn counts_have_their_thousands_apart() {
-        assert_eq!([12, 123_456, 1_234_567].map(grouped), ["12", "123\u{202f}456", "1\u{202f}234\u{202f}567"]);
     }
 }

@@ -2,10 +2,9 @@
 
 use std::collections::VecDeque;
 use std::sync::mpsc::RecvTimeoutError;
-use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
-use crate::lock::lock;
+use parking_lot::{Condvar, Mutex};
 
 /// A queue of at most `capacity` items between two threads.
 #[derive(Debug)]
@@ -34,7 +33,7 @@ impl<T> Outbox<T> {
 
     /// Adds an item; when the queue is full the oldest goes and is counted.
     pub fn push(&self, item: T) {
-        let mut state = lock(&self.state);
+        let mut state = self.state.lock();
         if state.queue.len() >= self.capacity {
             state.queue.pop_front();
             state.dropped += 1;
@@ -45,37 +44,36 @@ impl<T> Outbox<T> {
 
     /// Whether the next item would cost the oldest.
     pub fn is_full(&self) -> bool {
-        lock(&self.state).queue.len() >= self.capacity
+        self.state.lock().queue.len() >= self.capacity
     }
 
     /// Takes the oldest item, waiting for one up to `limit`; the error says whether one may still come.
     pub fn take(&self, limit: Duration) -> Result<T, RecvTimeoutError> {
-        let waited =
-            self.filled.wait_timeout_while(lock(&self.state), limit, |state| state.queue.is_empty() && !state.closed);
-        let (mut state, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        let mut state = self.state.lock();
+        self.filled.wait_while_for(&mut state, |state| state.queue.is_empty() && !state.closed, limit);
         let none = if state.closed { RecvTimeoutError::Disconnected } else { RecvTimeoutError::Timeout };
         state.queue.pop_front().ok_or(none)
     }
 
     /// Counts an item that was taken but could not be used.
     pub fn count_dropped(&self) {
-        lock(&self.state).dropped += 1;
+        self.state.lock().dropped += 1;
     }
 
     /// Items that never reached their reader.
     pub fn dropped(&self) -> u64 {
-        lock(&self.state).dropped
+        self.state.lock().dropped
     }
 
     /// Says that nothing more will come; what waits can still be taken.
     pub fn close(&self) {
-        lock(&self.state).closed = true;
+        self.state.lock().closed = true;
         self.filled.notify_all();
     }
 
     /// Whether nothing more will come, or be taken.
     pub fn is_closed(&self) -> bool {
-        lock(&self.state).closed
+        self.state.lock().closed
     }
 }
 

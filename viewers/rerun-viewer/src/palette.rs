@@ -19,7 +19,6 @@ pub const WHITE: Rgba32 = Rgba32::from_rgb(245, 247, 248);
 /// Axes and their labels.
 pub const NEUTRAL: Rgba32 = Rgba32::from_rgb(128, 134, 140);
 
-/// A colour over what lies beneath.
 pub fn translucent(color: Rgba32, alpha: u8) -> Rgba32 {
     let [red, green, blue, _] = color.to_array();
     Rgba32::from_unmultiplied_rgba(red, green, blue, alpha)

@@ -57,7 +57,6 @@ impl Picture {
         Self { scatters: Scatters::of_capture(samples), ..Self::default() }
     }
 
-    /// Takes in what the run is.
     pub fn describe(&mut self, description: &RunDescription) {
         if !self.turn_to_run(description.run_id) {
             return;
@@ -184,17 +183,16 @@ impl Picture {
         if finished {
             self.signals.close_bins();
         }
-        let now = Instant::now();
-        let slow = self.slow.is_due(now, SLOW_PERIOD) || finished;
+        let slow = self.slow.is_due(SLOW_PERIOD) || finished;
         let mut frame = Frame { run_id, time_ns: self.run.time_ns(), series: self.signals.take(), ..Frame::default() };
-        if self.redraw.is_due(now, REDRAW_PERIOD) {
+        if self.redraw.is_due(REDRAW_PERIOD) {
             self.knob.show_again();
             self.texts_shown.clear();
             self.histogram_shown = None;
         }
         let fresh_model = self.model.as_ref().filter(|_| slow && self.fit_is_new);
         frame.knob = self.knob.update(self.run.motion, fresh_model);
-        if self.plot.is_due(now, PLOT_PERIOD) || slow {
+        if self.plot.is_due(PLOT_PERIOD) || slow {
             frame.plots = self.scatters.update(fresh_model);
         }
         if slow {
@@ -202,7 +200,7 @@ impl Picture {
             frame.texts = self.fresh_texts(frames_dropped);
             self.signals.step_extremes();
         }
-        if self.tabs.is_due(now, TABS_PERIOD) || finished {
+        if self.tabs.is_due(TABS_PERIOD) || finished {
             frame.series.append(&mut self.waiting);
             frame.series.extend(self.timing());
             let histogram = self.run.status.map(|status| status.lateness_counts);
@@ -257,11 +255,12 @@ impl Picture {
 
 /// When it is time again; at once at first.
 #[derive(Debug, Default)]
-struct Timer(Option<Instant>);
+pub struct Timer(Option<Instant>);
 
 impl Timer {
-    /// Whether it is time, and if so when it is next.
-    fn is_due(&mut self, now: Instant, period: Duration) -> bool {
+    /// Whether it is time; if so, it is again after this period.
+    pub fn is_due(&mut self, period: Duration) -> bool {
+        let now = Instant::now();
         let due = self.0.is_none_or(|next| now >= next);
         if due {
             self.0 = Some(now + period);

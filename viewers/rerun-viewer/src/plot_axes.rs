@@ -3,6 +3,8 @@
 //! rerun has no x-y plot. One is drawn in a plane instead: the plot's box is [`BOX_WIDTH`] by
 //! [`BOX_HEIGHT`] with y downwards, whatever the quantities' units, so that it fills its view.
 
+use report::numbers::fixed;
+
 use crate::extent::Extent;
 
 pub const BOX_WIDTH: f64 = 150.0;
@@ -34,7 +36,7 @@ impl Axis {
     }
 
     /// The axis that is shown while it fits the range, else a new one: an axis that jumped about could not be read.
-    pub fn following(shown: Option<Self>, (low, high): Extent) -> Self {
+    pub fn following(shown: Option<Self>, [low, high]: Extent) -> Self {
         let fits = |axis: &Self| axis.low <= low && high <= axis.high && high - low > axis.span() / 2.0;
         shown.filter(fits).unwrap_or_else(|| Self::around(low, high))
     }
@@ -43,10 +45,7 @@ impl Axis {
     pub fn ticks(&self) -> Vec<(f64, String)> {
         let decimals = (-self.step.log10().floor()).clamp(0.0, 9.0) as usize;
         let [first, last] = [self.low, self.high].map(|end| (end / self.step).round() as i64);
-        (first..=last)
-            .map(|index| index as f64 * self.step)
-            .map(|value| (value, format!("{value:.decimals$}").replace('-', "\u{2212}")))
-            .collect()
+        (first..=last).map(|index| index as f64 * self.step).map(|value| (value, fixed(value, decimals))).collect()
     }
 
     pub fn span(&self) -> f64 {
@@ -56,7 +55,6 @@ impl Axis {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlotAxes {
-    /// Horizontal, to the right.
     pub x: Axis,
     /// Vertical, upwards.
     pub y: Axis,
@@ -101,9 +99,9 @@ mod tests {
     #[test]
     fn an_axis_stays_while_the_data_fits() {
         let axis = Axis::around(-4.0, 4.0);
-        assert_eq!(Axis::following(Some(axis), (-3.0, 3.9)), axis);
-        assert!(Axis::following(Some(axis), (-3.0, 4.5)).high > axis.high);
-        assert!(Axis::following(Some(axis), (-0.5, 0.5)).high < axis.high);
+        assert_eq!(Axis::following(Some(axis), [-3.0, 3.9]), axis);
+        assert!(Axis::following(Some(axis), [-3.0, 4.5]).high > axis.high);
+        assert!(Axis::following(Some(axis), [-0.5, 0.5]).high < axis.high);
     }
 
     #[test]

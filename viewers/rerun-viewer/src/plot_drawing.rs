@@ -57,10 +57,9 @@ fn draw_model(recording: &RecordingStream, root: &str, axis: Axis, model: &Model
 fn draw_axes(
     recording: &RecordingStream,
     root: &str,
-    names: [String; 2],
+    [abscissa, ordinate]: [String; 2],
     axes: &PlotAxes,
 ) -> RecordingStreamResult<()> {
-    let [abscissa, ordinate] = names;
     let (x_ticks, y_ticks) = (axes.x.ticks(), axes.y.ticks());
     let (width, height) = (single(BOX_WIDTH), single(BOX_HEIGHT));
     let x_at = |value: f64| single(axes.place(value, axes.y.low)[0]);

@@ -4,15 +4,14 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Read as _};
 use std::os::unix::fs::{OpenOptionsExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use anyhow::{anyhow, ensure};
+use parking_lot::Mutex;
 use rerun::external::re_log_encoding::{EncodeError, Encoder, EncodingOptions};
 use rerun::log::LogMsg;
 use rerun::sink::CallbackSink;
 use tempfile::{NamedTempFile, TempPath};
-
-use crate::lock::lock;
 
 /// What every rerun file begins with.
 const BEGINS_WITH: &[u8] = b"RRF2";
@@ -50,12 +49,12 @@ impl RecordingFile {
     /// Where a recording sends what is drawn.
     pub fn sink(&self) -> CallbackSink {
         let file = self.clone();
-        CallbackSink::new(move |messages| lock(&file.state).write(messages))
+        CallbackSink::new(move |messages| file.state.lock().write(messages))
     }
 
     /// Whether all that was drawn so far could be written. An error says why it could not.
     pub fn check(&self) -> anyhow::Result<()> {
-        let failure = lock(&self.state).failure.take();
+        let failure = self.state.lock().failure.take();
         failure.map_or(Ok(()), |failure| Err(cannot_be_written(&self.path, &failure.into())))
     }
 
@@ -63,7 +62,7 @@ impl RecordingFile {
     /// Fails when any part of it could not be written.
     pub fn finish(&self) -> anyhow::Result<()> {
         self.check()?;
-        lock(&self.state).finish().map_err(|error| cannot_be_written(&self.path, &error))
+        self.state.lock().finish().map_err(|error| cannot_be_written(&self.path, &error))
     }
 }
 

@@ -10,7 +10,6 @@ use shared_types::{FitUpdate, LoopStatus, ProcessHealth, ProcessKind, Sample, ri
 use crate::picture::Picture;
 use crate::source::Source;
 
-/// Reads every stream of the rig and publishes the viewer's health.
 pub struct RigSource {
     samples: SampleSubscriber,
     description: MessageSubscriber<[u8]>,

@@ -14,7 +14,6 @@ use crate::source::Reading;
 pub struct Run {
     /// Identity; `None` before a run is known.
     pub id: Option<u64>,
-    /// The axis, rotary or linear, once it is known.
     pub axis: Option<Axis>,
     pub description: Option<RunDescription>,
     /// Of the rig; without one the model's torque is drawn as if the rig were ideal.
@@ -22,7 +21,6 @@ pub struct Run {
     pub status: Option<LoopStatus>,
     /// Whether the control loop died before its run had ended.
     pub source_gone: bool,
-    /// The model fitted so far.
     pub fit: Option<FitUpdate>,
     pub rendered: Option<RenderedModel>,
     pub processes: Processes,
@@ -50,7 +48,6 @@ impl Run {
         self.capture_ended || self.status.is_some_and(|status| status.finished != 0)
     }
 
-    /// Time in the run, ns.
     pub fn time_ns(&self) -> i64 {
         self.newest.map_or(0, |newest| newest.time_ns)
     }

@@ -159,26 +159,15 @@ impl Scatter {
 mod tests {
     use super::*;
 
-    const CAPACITY: usize = 4_000;
-
-    fn point(x: f64, torque_mnm: f64) -> ScatterPoint {
-        ScatterPoint { x, torque_mnm, turning_positive: true }
-    }
-
     #[test]
-    fn the_axes_forget_points_that_are_no_longer_shown() {
-        let mut scatter = Scatter::new(Abscissa::Angle, CAPACITY);
-        scatter.push(point(0.0, 1e6));
-        for index in 0..CAPACITY {
-            scatter.push(point(index as f64, (index % 7) as f64));
+    fn a_burst_of_history_stays_bounded_and_the_axes_forget_points_that_are_no_longer_shown() {
+        let mut scatter = Scatter::new(Abscissa::Angle, POINTS);
+        for index in 0..3 * POINTS {
+            let torque_mnm = if index < POINTS { 1e6 } else { (index % 7) as f64 };
+            scatter.push(ScatterPoint { x: index as f64, torque_mnm, turning_positive: true });
         }
-        assert!(scatter.update(None).unwrap().axes.y.high < 10.0);
-    }
-
-    #[test]
-    fn a_burst_of_history_stays_bounded() {
-        let mut scatter = Scatter::new(Abscissa::Angle, CAPACITY);
-        (0..3 * CAPACITY).for_each(|index| scatter.push(point(index as f64, 0.0)));
-        assert!(scatter.update(None).unwrap().points.len() <= CAPACITY);
+        let update = scatter.update(None).unwrap();
+        assert_eq!(update.points.len(), POINTS);
+        assert!(update.axes.y.high < 10.0);
     }
 }

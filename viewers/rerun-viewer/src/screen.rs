@@ -7,7 +7,7 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::{Context as _, bail};
 use bytesize::ByteSize;
@@ -21,6 +21,7 @@ use crate::frame::Frame;
 use crate::glance::SharedGlance;
 use crate::layout::Subject;
 use crate::outbox::Outbox;
+use crate::picture::Timer;
 use crate::recording_file::RecordingFile;
 use crate::{entities, layout, page, port};
 
@@ -47,7 +48,7 @@ pub struct Screen {
     /// The run that is shown and the pen that draws it.
     shown: Option<(u64, Pen)>,
     disconnected: Arc<AtomicBool>,
-    next_check: Instant,
+    checks: Timer,
 }
 
 impl Screen {
@@ -67,8 +68,7 @@ impl Screen {
             Place::Page(address, drawn)
         };
         let carrier = place.carrier(subject)?;
-        let (disconnected, next_check) = (Arc::default(), Instant::now());
-        Ok(Self { place, subject, carrier, shown: None, disconnected, next_check })
+        Ok(Self { place, subject, carrier, shown: None, disconnected: Arc::default(), checks: Timer::default() })
     }
 
     /// Where a browser on this machine finds the web page, if it is one.
@@ -137,10 +137,9 @@ impl Screen {
 
     /// Finds out whether rerun's window went away and, if so, looks for another one.
     fn look_after_window(&mut self, port: u16) {
-        if Instant::now() < self.next_check {
+        if !self.checks.is_due(CONNECTION_CHECK) {
             return;
         }
-        self.next_check = Instant::now() + CONNECTION_CHECK;
         if !self.disconnected.load(Ordering::Relaxed) {
             let disconnected = Arc::clone(&self.disconnected);
             self.carrier.inspect_sink(move |sink| {

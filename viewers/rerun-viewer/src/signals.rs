@@ -28,14 +28,14 @@ pub struct Signals {
 struct Signal {
     decimator: Decimator,
     /// Of each step, the present one first.
-    extents: [Extent; STEPS_KEPT],
+    extents: [Option<Extent>; STEPS_KEPT],
 }
 
 impl Default for Signals {
     fn default() -> Self {
         let signals = SIGNALS.map(|field| Signal {
             decimator: Decimator::new(Keep::MinMax, if field == MODEL_TORQUE { MODEL_BIN_NS } else { BIN_NS }),
-            extents: [extent::NOTHING; STEPS_KEPT],
+            extents: [None; STEPS_KEPT],
         });
         Self { signals, lateness: Decimator::new(Keep::Max, LATENESS_BIN_NS) }
     }
@@ -70,17 +70,14 @@ impl Signals {
     pub fn step_extremes(&mut self) {
         for Signal { extents, .. } in &mut self.signals {
             extents.rotate_right(1);
-            extents[0] = extent::NOTHING;
+            extents[0] = None;
         }
     }
 
     /// Smallest and largest value of each signal over the last steps.
     pub fn ranges(&self) -> impl Iterator<Item = (&'static str, Option<Extent>)> {
-        let joined = |(low, high): Extent, step: &Extent| (low.min(step.0), high.max(step.1));
-        let of = move |signal: &Signal| {
-            Some(signal.extents.iter().fold(extent::NOTHING, joined)).filter(|(low, high)| low <= high)
-        };
-        SIGNALS.into_iter().zip(self.signals.iter().map(of))
+        let joined = |signal: &Signal| extent::of(signal.extents.into_iter().flatten().flatten());
+        SIGNALS.into_iter().zip(self.signals.iter().map(joined))
     }
 }
 
@@ -88,7 +85,7 @@ impl Signal {
     fn push(&mut self, time_ns: i64, value: f64) {
         self.decimator.push(time_ns, value);
         if value.is_finite() {
-            self.extents[0] = extent::with(self.extents[0], value);
+            self.extents[0] = extent::of(self.extents[0].into_iter().flatten().chain([value]));
         }
     }
 }
@@ -104,9 +101,9 @@ mod tests {
         assert_eq!(range(&signals), None);
         for (time_ns, value) in [50.0, -1.0, f64::NAN, 2.0].into_iter().enumerate() {
             signals.push_model_torque(time_ns as i64, value);
-            assert_eq!(range(&signals).map(|(_, high)| high), Some(50.0));
+            assert_eq!(range(&signals).map(|[_, high]| high), Some(50.0));
             signals.step_extremes();
         }
-        assert_eq!(range(&signals), Some((-1.0, 2.0)));
+        assert_eq!(range(&signals), Some([-1.0, 2.0]));
     }
 }

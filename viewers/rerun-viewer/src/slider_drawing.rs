@@ -32,12 +32,9 @@ impl Slider {
     /// Draws what is new at the recording's current time; travels have times of their own.
     pub fn draw(&mut self, recording: &RecordingStream, update: &KnobUpdate) -> anyhow::Result<()> {
         let travels = &update.turns.values;
-        let shown = self.scale.map_or(extent::NOTHING, |scale| (scale.low, scale.high));
-        let (low, high) = travels.iter().copied().fold(shown, extent::with);
-        if low > high {
-            return Ok(());
-        }
-        let scale = Axis::following(self.scale, (low, high));
+        let shown = self.scale.into_iter().flat_map(|scale| [scale.low, scale.high]);
+        let Some(range) = extent::of(travels.iter().copied().chain(shown)) else { return Ok(()) };
+        let scale = Axis::following(self.scale, range);
         let rescaled = self.scale != Some(scale);
         let redrawn = rescaled || update.motion.is_some() || update.detents.is_some();
         self.motion = update.motion.or(self.motion);

@@ -17,7 +17,6 @@ use re_web_viewer_server::WebViewerData;
 use crate::drawing::TIMELINE;
 use crate::drawn::Drawn;
 use crate::glance::SharedGlance;
-use crate::lock::lock;
 use crate::page::server::Reply;
 
 struct Pages {
@@ -86,7 +85,7 @@ impl Pages {
 
     /// The figures, with the identity of this process, and the timeline by which the page tells how far it has come.
     fn status(&self) -> String {
-        let mut status = lock(&self.glance).clone();
+        let mut status = self.glance.lock().clone();
         status["instance"] = self.instance.as_str().into();
         status["timeline"] = TIMELINE.into();
         status.to_string()

@@ -6,7 +6,7 @@
 
 use std::convert::Infallible;
 use std::net::TcpListener;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use http_body_util::Full;
@@ -16,10 +16,10 @@ use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper::{Request, Response, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
+use parking_lot::Mutex;
 use tokio::net::TcpStream;
 use tokio::task::AbortHandle;
 
-use crate::lock::lock;
 use crate::peer;
 
 /// How long a client may take nothing of what waits for it, and how long it may take to send a request.
@@ -88,7 +88,7 @@ async fn attend(client: TcpStream, answers: Option<Answers>, asked: LastRequest,
         response(StatusCode::FORBIDDEN, REFUSAL.into(), headers)
     };
     let answer = |request: Request<Incoming>| {
-        *lock(&asked) = Some(Instant::now());
+        *asked.lock() = Some(Instant::now());
         let answer = answers.as_ref().map_or_else(refusal, |answers| answers(&request));
         std::future::ready(Ok::<_, Infallible>(answer))
     };
@@ -110,7 +110,7 @@ type Connections = Vec<(AbortHandle, LastRequest)>;
 /// Ends connections until there are fewer than `most`: those first that never asked, then those that asked long ago.
 fn make_room(open: &mut Connections, most: usize) {
     open.retain(|(task, _)| !task.is_finished());
-    let asked = |(_, asked): &(_, LastRequest)| *lock(asked);
+    let asked = |(_, asked): &(_, LastRequest)| *asked.lock();
     while open.len() >= most
         && let Some(idlest) = (0..open.len()).min_by_key(|place| asked(&open[*place]))
     {
@@ -202,23 +202,19 @@ pub(crate) mod tests {
 
     #[test]
     fn whoever_takes_nothing_is_let_go_and_what_waits_for_him_is_freed() {
-        /// The body of an answer, which tells when it is freed.
-        struct Body(Vec<u8>, mpsc::Sender<()>);
-        impl AsRef<[u8]> for Body {
-            fn as_ref(&self) -> &[u8] {
-                &self.0
-            }
+        let (given, is_given) = mpsc::channel();
+        let body = move || {
+            let body: Arc<[u8]> = vec![0; 100 << 20].into();
+            given.send(Arc::downgrade(&body)).unwrap();
+            Bytes::from_owner(body)
+        };
+        let wedged = ask(serving(body, PATIENCE), "/");
+        let deadline = Instant::now() + Duration::from_secs(60);
+        let body = is_given.recv_timeout(Duration::from_secs(60)).unwrap();
+        while body.strong_count() > 0 {
+            assert!(Instant::now() < deadline, "the answer is kept");
+            std::thread::sleep(Duration::from_millis(10));
         }
-        impl Drop for Body {
-            fn drop(&mut self) {
-                let _ = self.1.send(());
-            }
-        }
-        let (freed, is_freed) = mpsc::channel();
-        let body = move || Bytes::from_owner(Body(vec![0; 100 << 20], freed.clone()));
-        let address = serving(body, PATIENCE);
-        let wedged = ask(address, "/");
-        is_freed.recv_timeout(Duration::from_secs(60)).unwrap();
         drop(wedged);
     }
 
