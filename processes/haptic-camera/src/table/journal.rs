@@ -163,7 +163,14 @@ fn begin_table(
     specification: Option<&Specification>,
     axis: Option<Axis>,
 ) -> Result<SerializedFileWriter<BufWriter<File>>, ParquetError> {
-    let fields = columns.iter().map(|(name, empty)| (name.as_str(), physical(empty)));
+    let fields = columns.iter().map(|(name, empty)| {
+        let physical = match empty {
+            Cell::Text(_) => PhysicalType::BYTE_ARRAY,
+            Cell::Count(_) => PhysicalType::INT64,
+            Cell::Real(_) => PhysicalType::DOUBLE,
+        };
+        (name.as_str(), physical)
+    });
     let unit = |(name, _): &(String, Cell)| {
         let on = |axis| Row::unit_of(name, specification, axis);
         // A column about captures of both axes has a unit if it is that of either.
@@ -193,12 +200,4 @@ fn add_group(
         }
     }
     group.close().map(drop)
-}
-
-fn physical(empty: &Cell) -> PhysicalType {
-    match empty {
-        Cell::Text(_) => PhysicalType::BYTE_ARRAY,
-        Cell::Count(_) => PhysicalType::INT64,
-        Cell::Real(_) => PhysicalType::DOUBLE,
-    }
 }

@@ -8,7 +8,6 @@ mod journal;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::sync_channel;
-use std::time::UNIX_EPOCH;
 
 use analysis::{Row, load_specification};
 use anyhow::{Context as _, ensure};
@@ -19,6 +18,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sheet::Specification;
 
+use crate::list::written_ns;
 use crate::outcome::{remark, say};
 use crate::terminal;
 use journal::Journal;
@@ -111,10 +111,8 @@ fn add(folder: &Path, files: &mut Vec<CaptureFile>) -> anyhow::Result<()> {
             add(&path, files)?;
         } else if path.extension().is_some_and(|found| ENDINGS.iter().any(|ending| found.eq_ignore_ascii_case(ending)))
         {
-            let metadata = path.metadata().ok();
-            let written = metadata.as_ref().and_then(|file| file.modified().ok()?.duration_since(UNIX_EPOCH).ok());
-            let written_ns = written.map_or(0, |time| time.as_nanos() as u64);
-            files.push(CaptureFile { path, bytes: metadata.map_or(0, |file| file.len()), written_ns });
+            let (bytes, written_ns) = (path.metadata().map_or(0, |file| file.len()), written_ns(&path) as u64);
+            files.push(CaptureFile { path, bytes, written_ns });
         }
     }
     Ok(())
