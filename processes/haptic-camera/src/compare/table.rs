@@ -58,8 +58,7 @@ fn felt(knob: &ComparedKnob, first: &str) -> Option<String> {
 }
 
 fn table(knobs: &[ComparedKnob]) -> Table {
-    let names = knobs.iter().map(|knob| knob.name.clone());
-    let header: Vec<String> = ["parameter".to_owned()].into_iter().chain(names).chain(["unit".to_owned()]).collect();
+    let header = row("parameter", knobs.iter().map(|knob| Some(knob.name.clone())), "unit");
     let mut rows = Vec::new();
     for kind in dynamics::effects::ALL.iter().flat_map(|effect| effect.parameters) {
         let own = knobs.iter().map(|knob| knob.parameters.get(kind.name));

@@ -108,10 +108,8 @@ fn scan(options: &RigScanOptions) -> anyhow::Result<Outcome> {
     })?;
     found.lines.iter().for_each(say);
     if let Some(out) = &options.out {
-        let text = found.rig_file.as_ref();
-        let text =
-            text.with_context(|| format!("{} has no device for a rig; no rig file is written", options.target))?;
-        write(out, kind::DATA, text)?;
+        let none = || format!("{} has no device for a rig; no rig file is written", options.target);
+        write(out, kind::DATA, found.rig_file.as_ref().with_context(none)?)?;
         say(format!("rig file {}", out.display()));
     }
     Ok(Outcome::Done)
