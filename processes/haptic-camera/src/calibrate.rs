@@ -147,7 +147,6 @@ fn write_file(
     write(out, options.replaced(), &text)
 }
 
-/// Each quantity as it was believed and as it was found, with its interval.
 fn table(known: &Calibration, calibrated: &Calibrated) -> Table {
     let before = toml::Table::try_from(known).unwrap_or_default();
     let rows = calibrated.estimates.iter().map(|estimate| {

@@ -57,7 +57,6 @@ pub fn run(options: &DoctorOptions) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// `found` where all is in order, otherwise what is amiss.
 fn judged(is_good: bool, found: impl Into<String>, amiss: impl Into<String>) -> Finding {
     if is_good { Ok(found.into()) } else { Err(amiss.into()) }
 }

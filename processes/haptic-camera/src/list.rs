@@ -33,7 +33,6 @@ pub struct ListOptions {
 /// Endings of the files that commands write beside a capture, which are not listed.
 const RESULTS: [&str; 7] = ["toml", "json", "html", "rrd", "parquet", "h", "incomplete"];
 
-/// Lists the captures of a folder by time; a file that cannot be read is an entry.
 pub fn run(options: &ListOptions) -> anyhow::Result<()> {
     let folder = options.folder.as_path();
     let files = std::fs::read_dir(folder)

@@ -89,7 +89,6 @@ fn wait_until_locked(rig: &RigOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Original minus measured, beside the paper's rig; `filtered` is the SD behind the filters that the paper fits with.
 fn differences(differences: &[ChannelDifference]) -> Table {
     let rows = differences.iter().map(|row| {
         let [mean, sd, filtered] = [row.mean, row.sd, row.sd_filtered].map(|own| format!("{own:.5}"));
@@ -99,7 +98,6 @@ fn differences(differences: &[ChannelDifference]) -> Table {
     table(["channel", "mean", "SD", "filtered", "paper's mean", "paper's SD", "unit"], 1..6, rows)
 }
 
-/// Phase lags at 30 Hz, beside what the paper says of its own.
 fn lags(lags: &[ChannelLag]) -> Table {
     let rows = lags.iter().map(|lag| {
         [

@@ -92,7 +92,6 @@ impl LoopModels {
         Ok(Self { client: services::model_client(&node)?, _node: node })
     }
 
-    /// The model that is rendered, or is about to be.
     fn present(&self) -> anyhow::Result<Present> {
         match self.ask(&ModelRequest::Present)? {
             Some(ModelAnswer::Rendered { revision, model_toml }) => read_present(revision, &model_toml),

@@ -13,7 +13,6 @@ use crate::simulate::SimulateOptions;
 use crate::studies::StudyOptions;
 
 impl Command {
-    /// The files to check before the command starts.
     pub fn files(&self) -> Files {
         let files = Files::default();
         let study = |study: &StudyOptions| {
@@ -88,8 +87,8 @@ impl Command {
                 files.reading([&options.rig.file]).writing(&options.json, kind::JSON)
             }
             Self::Rig(RigCommand::Commission(options)) => files.writing(options.written(), options.replaced()),
-            Self::Rig(RigCommand::New(options)) => files.writing(&options.out, kind::DATA),
-            Self::Rig(RigCommand::Scan(options)) => files.writing(&options.out, kind::DATA),
+            Self::Rig(RigCommand::New { out, .. }) => files.writing(out, kind::DATA),
+            Self::Rig(RigCommand::Scan { out, .. }) => files.writing(out, kind::DATA),
             Self::Compose(options) => files.reading(options.sources()).writing(&options.out, options.replaced()),
             // `man` writes into a folder.
             Self::Man { .. }

@@ -41,7 +41,6 @@ pub struct DiagnoseOptions {
     pub recording: Option<PathBuf>,
 }
 
-/// Diagnoses a capture and writes what was asked for.
 pub fn run(options: &DiagnoseOptions) -> anyhow::Result<()> {
     let load = |path: &Path| load::load_chosen(path, &options.columns);
     let train = load(&options.train)?;

@@ -184,7 +184,6 @@ fn begin_table(
     begin(place, "captures", fields, Repetition::OPTIONAL, metadata, WriterProperties::builder())
 }
 
-/// Adds a group of rows, each with a cell for every column.
 fn add_group(
     table: &mut SerializedFileWriter<BufWriter<File>>,
     columns: &[(String, Cell)],
