@@ -145,7 +145,10 @@ fn parameter_table(fit: &Fit, truth: Option<&Model>) -> Table {
         header.extend(["true", ""]);
     }
     let row = |parameter: &Parameter| {
-        let digits = digits_of(parameter);
+        let digits = digits(match (parameter.ci95, parameter.value) {
+            (Some([low, high]), _) if high > low => high - low,
+            (_, value) => 1e-3 * value.unwrap_or(0.0).abs(),
+        });
         let (value, interval) = match parameter.value {
             Some(value) => (format!("{value:.digits$}"), interval(parameter.ci95, digits)),
             None => ("-".to_owned(), "not identifiable".to_owned()),
@@ -162,13 +165,6 @@ fn truth_cells(parameter: &Parameter, model: &Model, digits: usize) -> [String; 
     let Some(value) = true_value(Some(model), parameter.name, None) else { return ["none".to_owned(), String::new()] };
     let inside = report::holds(parameter.ci95, value).map_or("", |holds| if holds { "in" } else { "out" });
     [format!("{value:.digits$}"), inside.to_owned()]
-}
-
-fn digits_of(parameter: &Parameter) -> usize {
-    digits(match (parameter.ci95, parameter.value) {
-        (Some([low, high]), _) if high > low => high - low,
-        (_, value) => 1e-3 * value.unwrap_or(0.0).abs(),
-    })
 }
 
 /// The sinusoids, strongest first; `None` if there are none.

@@ -67,13 +67,9 @@ impl StopRule {
         self.newest_s = time_s;
         let enough = !estimate.parameters.is_empty() && estimate.parameters.iter().all(LiveParameter::is_settled);
         self.last = Some(estimate);
-        self.held = match self.held {
-            _ if !enough => None,
-            None => Some((time_s, 1)),
-            Some((since_s, estimates)) => Some((since_s, estimates + 1)),
-        };
-        let is_held = |(since_s, estimates)| time_s >= HELD_GROWTH * since_s && estimates >= HELD_ESTIMATES;
-        let ends = self.held.is_some_and(is_held);
+        let (since_s, estimates) = self.held.map_or((time_s, 1), |(since_s, estimates)| (since_s, estimates + 1));
+        self.held = enough.then_some((since_s, estimates));
+        let ends = enough && time_s >= HELD_GROWTH * since_s && estimates >= HELD_ESTIMATES;
         self.ended_s = self.ended_s.or(ends.then_some(time_s));
         ends
     }

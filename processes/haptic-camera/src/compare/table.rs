@@ -93,19 +93,14 @@ fn cell(own: &ComparedValue) -> String {
     match (own.value, own.ci95) {
         (Some(value), Some(ci95)) => {
             let half = half_width(value, ci95);
-            let digits = interval_digits(half);
+            // One digit of the half width, or two if the first is a 1.
+            let leading = half / 10_f64.powf(half.log10().floor());
+            let digits = if leading < 1.95 { digits(half) } else { digits(half).saturating_sub(1) };
             format!("{value:.digits$}±{half:.digits$}")
         }
         (Some(value), None) => significant(value, DIGITS),
         (None, _) => "-".to_owned(),
     }
-}
-
-/// Decimals that show a half width with one digit, or with two if the first is a 1.
-fn interval_digits(half_width: f64) -> usize {
-    let two_digits = digits(half_width);
-    let leading = half_width / 10_f64.powf(half_width.log10().floor());
-    if leading < 1.95 { two_digits } else { two_digits.saturating_sub(1) }
 }
 
 fn significant(value: f64, digits: f64) -> String {

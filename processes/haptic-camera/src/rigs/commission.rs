@@ -97,14 +97,15 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
             Ok((archive, _)) => archive,
             Err(error) if too_far < TOO_FAR && fault_of(&error) == Some(Fault::Angle) => {
                 too_far += 1;
-                if sweep == SLOW {
-                    say(axis.words("the angle left the permitted range: going on with faster torques, which move less"));
+                let next = if sweep == SLOW {
                     sweep = FAST;
+                    "faster torques, which move less"
                 } else {
-                    say(axis.words("the angle left the permitted range: going on with less"));
                     ceiling_mnm = amplitude_mnm;
                     amplitude_mnm *= 0.5;
-                }
+                    "less"
+                };
+                say(axis.words(&format!("the angle left the permitted range: going on with {next}")));
                 continue;
             }
             Err(error) => return Err(with_doubt_of_scale(error, axis)),
