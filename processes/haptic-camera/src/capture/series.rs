@@ -46,7 +46,7 @@ pub(super) fn until_named(options: &CaptureOptions, interrupt: &Interrupt) -> an
     }
     let mut before: Option<Diagnosis> = None;
     loop {
-        let found = diagnosed(options, taken.iter().collect(), before.as_ref());
+        let found = diagnosed(options.reach, &taken, before.as_ref());
         let found = match (found, before.take()) {
             (Ok(found), _) => found,
             (Err(error), Some(before)) => {
@@ -88,11 +88,8 @@ pub(super) fn until_named(options: &CaptureOptions, interrupt: &Interrupt) -> an
 /// The second capture is held out; the first and all later ones are fitted together, so that the experiments which tell rivals
 /// apart also determine their parameters, and the sweep the others. An effect of the time since a capture began cannot be fitted
 /// across captures: where one is named or tied, the first capture alone is fitted and the last one is held out.
-fn diagnosed(
-    options: &CaptureOptions,
-    mut fitted: Vec<&LoadedCapture>,
-    before: Option<&Diagnosis>,
-) -> anyhow::Result<Diagnosis> {
+fn diagnosed(reach: Option<f64>, taken: &[LoadedCapture], before: Option<&Diagnosis>) -> anyhow::Result<Diagnosis> {
+    let mut fitted: Vec<&LoadedCapture> = taken.iter().collect();
     let held_out = if before.is_some_and(depends_on_time) {
         let last = fitted.split_off(fitted.len() - 1);
         fitted.truncate(1);
@@ -102,7 +99,7 @@ fn diagnosed(
     };
     let (train, heldout) = (LoadedCapture::joined(&fitted), LoadedCapture::joined(&held_out));
     let found = diagnose::with_progress(|progress| {
-        Ok(analysis::diagnose_in_these_roles(options.reach, &train, &heldout, None, Some(progress))?)
+        Ok(analysis::diagnose_in_these_roles(reach, &train, &heldout, None, Some(progress))?)
     })?;
     ["", &found.summary].iter().for_each(say);
     Ok(found)
