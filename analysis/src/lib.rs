@@ -32,7 +32,7 @@ pub use result::{MADE_BY, to_json, to_json_on};
 pub use rig_check::{Reading, RigCheck};
 pub use rig_test::{Commanded, rig_test};
 pub use row::{CI95_ENDS, Cell, Row};
-pub use sheet::{Judgements, curve_files, curves, judged, leave_exports_out, load_specification, sheet_page};
+pub use sheet::{Judgements, curve_files, curves, ends_in, judged, leave_exports_out, load_specification, sheet_page};
 pub use simulation::{Drive, Simulation, simulate};
 use simulation::{along_motion, torque_at_knob};
 pub use studies::{Study, StudyError};

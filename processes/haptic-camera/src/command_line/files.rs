@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use analysis::ends_in;
 use archive::whole_file::Replace;
 
 use super::Command;
@@ -111,7 +112,7 @@ impl CalibrateOptions {
 
 impl SimulateOptions {
     pub fn writes_table(&self) -> bool {
-        self.out.as_ref().and_then(|out| out.extension()).is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))
+        self.out.as_deref().is_some_and(|out| ends_in(out, "csv"))
     }
 
     fn kind(&self) -> Replace {
@@ -122,8 +123,7 @@ impl SimulateOptions {
 impl ExportOptions {
     /// The file of Isaac Lab's fields, next to a URDF file.
     pub fn isaac_lab(&self) -> Option<PathBuf> {
-        let is_urdf = self.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("urdf"));
-        is_urdf.then(|| self.out.with_extension("isaac.json"))
+        ends_in(&self.out, "urdf").then(|| self.out.with_extension("isaac.json"))
     }
 
     fn kind(&self) -> Replace {

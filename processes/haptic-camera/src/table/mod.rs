@@ -9,7 +9,7 @@ use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::sync_channel;
 
-use analysis::{Row, load_specification};
+use analysis::{Row, ends_in, load_specification};
 use anyhow::{Context as _, ensure};
 use clap::Args;
 use rayon::ThreadPoolBuilder;
@@ -95,8 +95,7 @@ fn add(folder: &Path, files: &mut Vec<CaptureFile>) -> anyhow::Result<()> {
         // A link may lead back to a folder that contains it, so links to folders are not followed.
         if entry.file_type().with_context(unreadable)?.is_dir() {
             add(&path, files)?;
-        } else if path.extension().is_some_and(|found| ENDINGS.iter().any(|ending| found.eq_ignore_ascii_case(ending)))
-        {
+        } else if ENDINGS.iter().any(|ending| ends_in(&path, ending)) {
             let (bytes, written_ns) = (path.metadata().map_or(0, |file| file.len()), written_ns(&path) as u64);
             files.push(CaptureFile { path, bytes, written_ns });
         }
