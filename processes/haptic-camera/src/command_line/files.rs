@@ -45,13 +45,10 @@ impl Command {
                 .telling(&options.results)
                 .writing(&options.out, kind::DIAGNOSED_MODEL)
                 .writing(&options.recording, kind::RECORDING),
-            Self::Calibrate(options) => {
-                // The given calibration may be overwritten.
-                files
-                    .reading(&options.captures)
-                    .reading(&options.rig.request.rig)
-                    .writing(&options.out, options.replaced())
-            }
+            Self::Calibrate(options) => files
+                .reading(&options.captures)
+                .reading(&options.rig.request.rig)
+                .writing(&options.out, options.replaced()),
             Self::RigTest(options) => files
                 .reading(&options.rig.request.rig)
                 .reading(&options.rig.request.calibration)

@@ -27,8 +27,7 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
              and with as many parameters.",
             found.noise_floor_rms
         ));
-        let tables = [steps(&found.steps, decimals).to_string(), String::new(), parameters(&found.steps).to_string()];
-        lines.extend(tables);
+        lines.extend([steps(&found.steps, decimals).to_string(), String::new(), parameters(&found.steps).to_string()]);
         let detented = found.steps.iter().filter(|step| !step.detents.is_empty());
         lines.extend(detented.map(|step| detents(step).to_string()));
         let tied = found.steps.iter().filter(|step| !step.ties.is_empty());
