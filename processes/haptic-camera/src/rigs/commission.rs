@@ -120,17 +120,16 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
         if tries.len() == COMPARED || !tries.is_empty() && amplitude_mnm >= most_mnm {
             return conclude(&tries, &file, options);
         }
+        let unit = axis.load_unit();
         anyhow::ensure!(
             amplitude_mnm < most_mnm,
-            "the knob does not move at {most_mnm} {}: check that the amplifier is on and [channels.motor] scale, or try more with \
-             --most-torque",
-            axis.load_unit()
+            "the knob does not move at {most_mnm} {unit}: check that the amplifier is on and [channels.motor] scale, or try more with \
+             --most-torque"
         );
         anyhow::ensure!(
             ceiling_mnm - amplitude_mnm > CLOSE_SHARE * amplitude_mnm,
-            "{amplitude_mnm:.3} {} hardly move the knob, and a little more takes it out of the permitted range: widen [limits], or set the knob \
-             to the middle of its travel",
-            axis.load_unit()
+            "{amplitude_mnm:.3} {unit} hardly move the knob, and a little more takes it out of the permitted range: widen [limits], or set the knob \
+             to the middle of its travel"
         );
         amplitude_mnm = (RISE * amplitude_mnm).min(most_mnm).min(0.5 * (amplitude_mnm + ceiling_mnm));
     }
