@@ -11,8 +11,7 @@ use sheet::{Sheet, Specification, kinds_of};
 use crate::AnalysisError;
 
 /// Endings of the column names of an interval's two ends.
-const LOW: &str = "_ci95_low";
-const HIGH: &str = "_ci95_high";
+pub const CI95_ENDS: [&str; 2] = ["_ci95_low", "_ci95_high"];
 
 /// A value of a row; `None` where there is none.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,8 +83,9 @@ impl Row {
     /// Adds a value with the ends of its interval.
     fn value(&mut self, name: &str, value: Option<f64>, ci95: Option<[f64; 2]>) {
         self.cells.push((name.to_owned(), Cell::Real(value)));
-        self.cells.push((format!("{name}{LOW}"), Cell::Real(ci95.map(|[low, _]| low))));
-        self.cells.push((format!("{name}{HIGH}"), Cell::Real(ci95.map(|[_, high]| high))));
+        for (index, end) in CI95_ENDS.into_iter().enumerate() {
+            self.cells.push((format!("{name}{end}"), Cell::Real(ci95.map(|ci95| ci95[index]))));
+        }
     }
 
     fn with(path: &Path, loaded: Option<&LoadedCapture>, fit: Option<&Fit>, error: Option<String>) -> Self {
@@ -131,7 +131,7 @@ impl Row {
     /// The unit of a column about captures of this axis; `None` for words, for counts and ratios.
     #[must_use]
     pub fn unit_of(column: &str, specification: Option<&Specification>, axis: Axis) -> Option<Cow<'static, str>> {
-        let stem = column.strip_suffix(LOW).or_else(|| column.strip_suffix(HIGH)).unwrap_or(column);
+        let stem = CI95_ENDS.into_iter().find_map(|end| column.strip_suffix(end)).unwrap_or(column);
         let of_parameter = parameters().find(|kind| kind.name == stem).map(|kind| kind.unit);
         let figures = specification.map(|specification| kinds_of(specification.axis())).unwrap_or_default();
         let of_figure = figures.iter().find(|kind| kind.name == stem).map(|kind| kind.unit);

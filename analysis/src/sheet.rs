@@ -48,7 +48,9 @@ pub fn leave_exports_out<File>(files: &mut Vec<File>, path: impl Fn(&File) -> &P
     files.retain(|file| !ends_in(path(file), "csv") || !archives.contains(&path(file).with_extension("")));
 }
 
-fn ends_in(path: &Path, ending: &str) -> bool {
+/// Whether a path has this ending, in capital or small letters.
+#[must_use]
+pub fn ends_in(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending))
 }
 

@@ -263,10 +263,15 @@ fn uncovered(envelope: &Envelope, sheet: &Sheet) -> Option<String> {
     })
 }
 
+/// Decimals that show the width of an interval with two digits.
+#[must_use]
+pub fn digits(width: f64) -> usize {
+    if width > 0.0 { (1.0 - width.log10().floor()).clamp(0.0, 9.0) as usize } else { 4 }
+}
+
 /// A number with the decimals that an interval of that width supports.
 fn rounded(value: f64, width: f64) -> String {
-    let digits = if width > 0.0 { (1.0 - width.log10().floor()).clamp(0.0, 9.0) as usize } else { 4 };
-    format!("{value:.digits$}")
+    format!("{value:.*}", digits(width))
 }
 
 /// A number with four digits.

@@ -9,6 +9,7 @@ use clap::Args;
 use comfy_table::Table;
 use dynamics::Calibration;
 use identification::calibration::{self, Calibrated, CoggingEstimate};
+use identification::statistics::plus_minus;
 use loaded_capture::CALIBRATION_MARK;
 use rt_loop::request::{Pace, RunRequest};
 use shared_types::RunDescription;
@@ -146,7 +147,6 @@ fn write_file(
     write(out, options.replaced(), &text)
 }
 
-/// Each quantity as it was believed and as it was found, with its interval.
 fn table(known: &Calibration, calibrated: &Calibrated) -> Table {
     let before = toml::Table::try_from(known).unwrap_or_default();
     let rows = calibrated.estimates.iter().map(|estimate| {
@@ -172,11 +172,9 @@ fn cogging_lines(cogging: &[CoggingEstimate]) -> Vec<String> {
     }
     let line = |harmonic: &CoggingEstimate| {
         let CoggingEstimate { per_turn, torque_mnm, torque_half_width_mnm, phase_rad, phase_half_width_rad } = harmonic;
-        let (of_torque, of_phase) = (digits(*torque_half_width_mnm), digits(*phase_half_width_rad));
-        format!(
-            "{per_turn} per turn of {torque_mnm:.of_torque$} ± {torque_half_width_mnm:.of_torque$} mNm, phase \
-             {phase_rad:.of_phase$} ± {phase_half_width_rad:.of_phase$} rad"
-        )
+        let torque = plus_minus(*torque_mnm, *torque_half_width_mnm);
+        let phase = plus_minus(*phase_rad, *phase_half_width_rad);
+        format!("{per_turn} per turn of {torque} mNm, phase {phase} rad")
     };
     cogging.iter().map(line).collect()
 }

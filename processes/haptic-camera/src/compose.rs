@@ -104,7 +104,6 @@ pub fn run(options: &ComposeOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The models that parts come from, and those that values come from.
 fn sources(options: &ComposeOptions) -> Result<(Parts, Vec<(String, Source)>), ModelError> {
     let ComposeOptions { inertia, friction, detents, extra, from, .. } = options;
     let roles = [(Role::Inertia, inertia), (Role::Friction, friction), (Role::Detents, detents)];
@@ -121,7 +120,6 @@ fn sources(options: &ComposeOptions) -> Result<(Parts, Vec<(String, Source)>), M
 /// Number of parameters of one effect beyond which zeros are left out: they stand for harmonics that are absent.
 const MANY: usize = 8;
 
-/// Effect by effect, every parameter with its value and where that comes from.
 fn parts_table(composition: &Composition, model: &Model) -> Table {
     let rows = model.effects.iter().flat_map(|effect| {
         let mut name = effect.kind().name;

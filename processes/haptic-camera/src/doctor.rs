@@ -57,7 +57,6 @@ pub fn run(options: &DoctorOptions) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// `found` where all is in order, otherwise what is amiss.
 fn judged(is_good: bool, found: impl Into<String>, amiss: impl Into<String>) -> Finding {
     if is_good { Ok(found.into()) } else { Err(amiss.into()) }
 }
@@ -112,19 +111,14 @@ fn leftovers() -> String {
 /// Whether the driver that the rig's file names is available, and what stands in its way; the amplifier stays off.
 fn rig_file(path: &Path) -> Vec<(&'static str, Finding)> {
     let options = RigFileOptions { file: path.to_owned(), rate_hz: None };
-    let made = options.torque_request(1.0).and_then(|request| Ok(Plan::new(&request)?));
-    match made {
-        Ok(plan) => {
-            let name = &plan.rig.name;
-            let found = format!(
-                "the driver of '{name}' is available; test it with `haptic-camera rig check {}`",
-                path.display()
-            );
-            let obstacles = plan.apparatus.obstacles().into_iter().map(|amiss| ("rig", Err(amiss)));
-            std::iter::once(("rig file", Ok(found))).chain(obstacles).collect()
-        }
-        Err(error) => vec![("rig file", Err(error.to_string()))],
-    }
+    let plan = match options.torque_request(1.0).and_then(|request| Ok(Plan::new(&request)?)) {
+        Ok(plan) => plan,
+        Err(error) => return vec![("rig file", Err(error.to_string()))],
+    };
+    let (name, path) = (&plan.rig.name, path.display());
+    let found = format!("the driver of '{name}' is available; test it with `haptic-camera rig check {path}`");
+    let obstacles = plan.apparatus.obstacles().into_iter().map(|amiss| ("rig", Err(amiss)));
+    std::iter::once(("rig file", Ok(found))).chain(obstacles).collect()
 }
 
 fn programs() -> Finding {

@@ -50,7 +50,13 @@ pub fn run(options: &FitOptions) -> anyhow::Result<()> {
     let captures = options.captures.iter().map(|path| load::load_measured(path, &options.columns));
     let captures = captures.collect::<anyhow::Result<Vec<_>>>()?;
     analysis::common_axis(captures.iter().map(|one| one.capture.axis))?;
-    let fits = captures.iter().map(|one| fit_as_asked(one, options)).collect::<anyhow::Result<Vec<Fit>>>()?;
+    let fit = |loaded: &LoadedCapture| {
+        let usual = analysis::fit_options(loaded);
+        let characteristic = options.characteristic || usual.characteristic;
+        let preparation = options.preparation;
+        analysis::fit_with(loaded, &identification::FitOptions { characteristic, preparation, ..usual })
+    };
+    let fits = captures.iter().map(fit).collect::<Result<Vec<Fit>, _>>()?;
     let model = match (captures.as_slice(), fits.as_slice()) {
         ([capture], [fit]) => {
             show_on(fit.axis, lines(capture.truth.as_ref(), fit));
@@ -61,13 +67,6 @@ pub fn run(options: &FitOptions) -> anyhow::Result<()> {
     };
     write_if_asked(&options.out, kind::FITTED_MODEL, || model.to_toml())?;
     write_into(options, &model)
-}
-
-fn fit_as_asked(loaded: &LoadedCapture, options: &FitOptions) -> anyhow::Result<Fit> {
-    let usual = analysis::fit_options(loaded);
-    let characteristic = options.characteristic || usual.characteristic;
-    let preparation = options.preparation;
-    Ok(analysis::fit_with(loaded, &identification::FitOptions { characteristic, preparation, ..usual })?)
 }
 
 /// Tells what several captures have in common, and gives the model.
@@ -140,14 +139,16 @@ fn characteristic_line(MeasuredCurve { effect, points }: &MeasuredCurve) -> Stri
     )
 }
 
-/// Parameters with intervals, and the true values where they are known.
 fn parameter_table(fit: &Fit, truth: Option<&Model>) -> Table {
     let mut header = vec!["parameter", "fitted", "95 % interval", "unit"];
     if truth.is_some() {
         header.extend(["true", ""]);
     }
     let row = |parameter: &Parameter| {
-        let digits = digits_of(parameter);
+        let digits = digits(match (parameter.ci95, parameter.value) {
+            (Some([low, high]), _) if high > low => high - low,
+            (_, value) => 1e-3 * value.unwrap_or(0.0).abs(),
+        });
         let (value, interval) = match parameter.value {
             Some(value) => (format!("{value:.digits$}"), interval(parameter.ci95, digits)),
             None => ("-".to_owned(), "not identifiable".to_owned()),
@@ -164,13 +165,6 @@ fn truth_cells(parameter: &Parameter, model: &Model, digits: usize) -> [String; 
     let Some(value) = true_value(Some(model), parameter.name, None) else { return ["none".to_owned(), String::new()] };
     let inside = report::holds(parameter.ci95, value).map_or("", |holds| if holds { "in" } else { "out" });
     [format!("{value:.digits$}"), inside.to_owned()]
-}
-
-fn digits_of(parameter: &Parameter) -> usize {
-    digits(match (parameter.ci95, parameter.value) {
-        (Some([low, high]), _) if high > low => high - low,
-        (_, value) => 1e-3 * value.unwrap_or(0.0).abs(),
-    })
 }
 
 /// The sinusoids, strongest first; `None` if there are none.
@@ -199,7 +193,6 @@ fn harmonic_table(fit: &Fit) -> Option<Table> {
 /// Most captures whose values stand side by side; for more captures, only the differences are shown.
 const SIDE_BY_SIDE: usize = 3;
 
-/// Each parameter's values, their difference, and what their intervals allow.
 fn repeatability_table(average: &Average) -> Table {
     let mut header = vec!["parameter".to_owned()];
     let shown = if average.captures <= SIDE_BY_SIDE { average.captures } else { 0 };

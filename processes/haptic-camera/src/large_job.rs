@@ -17,12 +17,10 @@ const GIGABYTE: f64 = 1e9;
 /// Tells how large the archive of a run of so many ticks becomes, and how much memory its fit takes.
 pub fn tell(ticks: u64) {
     if ticks >= LARGE {
-        let archived = ticks as f64 * ARCHIVED_BYTES;
+        let (millions, archived_gb) = (ticks as f64 / 1e6, ticks as f64 * ARCHIVED_BYTES / GIGABYTE);
+        let fitted_gb = archived_gb * memory::OF_FILE;
         remark(format!(
-            "up to {:.0} million samples: an archive of {:.1} GB, and {:.1} GB of memory to fit it",
-            ticks as f64 / 1e6,
-            archived / GIGABYTE,
-            archived * memory::OF_FILE / GIGABYTE
+            "up to {millions:.0} million samples: an archive of {archived_gb:.1} GB, and {fitted_gb:.1} GB of memory to fit it"
         ));
     }
 }

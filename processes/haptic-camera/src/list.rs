@@ -12,7 +12,7 @@ use foreign_files::TableError;
 use identification::PreparationMethod;
 use loaded_capture::LoadedCapture;
 use operator::one_line;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::{Value, json};
 use shared_types::RunDescription;
 
@@ -33,7 +33,6 @@ pub struct ListOptions {
 /// Endings of the files that commands write beside a capture, which are not listed.
 const RESULTS: [&str; 7] = ["toml", "json", "html", "rrd", "parquet", "h", "incomplete"];
 
-/// Lists the captures of a folder by time; a file that cannot be read is an entry.
 pub fn run(options: &ListOptions) -> anyhow::Result<()> {
     let folder = options.folder.as_path();
     let files = std::fs::read_dir(folder)
@@ -59,22 +58,6 @@ pub fn run(options: &ListOptions) -> anyhow::Result<()> {
 /// Samples up to which a capture is fitted for a list: a minute and a half at 10 kHz, which takes about a second to fit.
 const MOST_SAMPLES: u64 = 1_000_000;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-enum Health {
-    Whole,
-    SamplesLost,
-    Fault,
-    /// The file ends in the middle.
-    Truncated,
-    /// The file contradicts itself.
-    Damaged,
-    /// The file is not a capture.
-    Foreign,
-    /// The system refuses to read the file.
-    Unreadable,
-}
-
 struct Entry {
     file: String,
     /// When the run began; for a table or a file that cannot be read, when the file was written; ns since 1970.
@@ -90,16 +73,19 @@ impl Entry {
         let begun_ns = run.map(|run| u128::from(run.clock.wall_clock_time_ns)).filter(|&time| time > 0);
         let captured_at_ns = begun_ns.unwrap_or_else(|| written_ns(path));
         let quality = read.as_ref().map_or_else(|_| Quality::default(), |told| Quality::of(path, told.samples));
-        Self { file: name(path), captured_at_ns, read, quality }
+        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Self { file, captured_at_ns, read, quality }
     }
 
-    fn health(&self) -> Health {
+    /// Whether the capture is whole, in a word. A truncated file ends in the middle, a damaged one contradicts itself, a foreign one
+    /// is no capture, and an unreadable one is refused by the system.
+    fn health(&self) -> &'static str {
         match &self.read {
-            Ok(told) if told.fault => Health::Fault,
-            Ok(told) if told.lost_samples > 0 => Health::SamplesLost,
-            Ok(_) => Health::Whole,
-            Err(ArchiveError::Truncated { .. }) => Health::Truncated,
-            Err(ArchiveError::Missing { .. } | ArchiveError::File { .. }) => Health::Unreadable,
+            Ok(told) if told.fault => "fault",
+            Ok(told) if told.lost_samples > 0 => "samples-lost",
+            Ok(_) => "whole",
+            Err(ArchiveError::Truncated { .. }) => "truncated",
+            Err(ArchiveError::Missing { .. } | ArchiveError::File { .. }) => "unreadable",
             Err(
                 ArchiveError::Empty { .. }
                 | ArchiveError::NotACapture { .. }
@@ -107,8 +93,8 @@ impl Entry {
                 | ArchiveError::Tester { .. }
                 | ArchiveError::NoTime { .. }
                 | ArchiveError::Table { error: TableError::Header { .. }, .. },
-            ) => Health::Foreign,
-            Err(_) => Health::Damaged,
+            ) => "foreign",
+            Err(_) => "damaged",
         }
     }
 
@@ -174,11 +160,8 @@ impl Quality {
     }
 }
 
-fn name(path: &Path) -> String {
-    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
-}
-
-fn written_ns(path: &Path) -> u128 {
+/// When a file was written, ns since 1970; 0 where the system does not say.
+pub fn written_ns(path: &Path) -> u128 {
     let time = std::fs::metadata(path).and_then(|file| file.modified()).ok();
     time.and_then(|time| time.duration_since(UNIX_EPOCH).ok()).map_or(0, |time| time.as_nanos())
 }
@@ -233,14 +216,9 @@ fn shortened(name: &str, most: usize) -> String {
 fn word(entry: &Entry) -> &'static str {
     let is_late = entry.read.as_ref().is_ok_and(|told| told.missed_ticks.is_some_and(|ticks| ticks > 0));
     match entry.health() {
-        Health::Whole if is_late => "late",
-        Health::Whole => "whole",
-        Health::SamplesLost => "lost",
-        Health::Fault => "fault",
-        Health::Truncated => "truncated",
-        Health::Damaged => "damaged",
-        Health::Foreign => "foreign",
-        Health::Unreadable => "unreadable",
+        "whole" if is_late => "late",
+        "samples-lost" => "lost",
+        health => health,
     }
 }
 
@@ -248,7 +226,7 @@ fn remark(entry: &Entry) -> Option<String> {
     let told = match &entry.read {
         Ok(told) => told,
         // A file that is no capture needs no advice.
-        Err(_) if entry.health() == Health::Foreign => return None,
+        Err(_) if entry.health() == "foreign" => return None,
         Err(error) => return Some(format!("- {}", one_line(&error.to_string()))),
     };
     let some = |count: u64| Some(count).filter(|&count| count > 0);

@@ -93,5 +93,5 @@ fn main() -> ExitCode {
         }
         if error.is::<outcome::UsageError>() { Outcome::WrongUsage } else { Outcome::Failed }
     });
-    outcome.if_output_was_taken().into()
+    ExitCode::from(outcome.if_output_was_taken() as u8)
 }

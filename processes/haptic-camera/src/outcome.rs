@@ -1,7 +1,6 @@
 //! How a command ended, as an exit status.
 
 use std::io::{Error, IsTerminal as _, Write as _};
-use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -49,12 +48,6 @@ impl Outcome {
         let Some(error) = LOST_OUTPUT.get() else { return self };
         operator::tell_lost_output(error);
         if self == Self::Done { Self::Failed } else { self }
-    }
-}
-
-impl From<Outcome> for ExitCode {
-    fn from(outcome: Outcome) -> Self {
-        Self::from(outcome as u8)
     }
 }
 

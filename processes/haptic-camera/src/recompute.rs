@@ -94,10 +94,9 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
                 result.missing_from_sample = Some(sample);
                 break 'samples;
             }
-            let place = capture.unmeasured.binary_search_by_key(&sample, |one| one.seq);
-            let one = place.map(|place| &capture.unmeasured[place]).ok();
-            let one =
-                one.with_context(|| format!("the archive has no sample {sample}, and does not say that it was lost"))?;
+            let place = capture.unmeasured.binary_search_by_key(&sample, |one| one.seq).ok();
+            let absent = || format!("the archive has no sample {sample}, and does not say that it was lost");
+            let one = &capture.unmeasured[place.with_context(absent)?];
             if let Some(change) = model_of(one.tick) {
                 take_model(&mut step, change)?;
                 result.models += 1;
@@ -122,10 +121,8 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
             angle_rad: capture.angle_rad[row],
             acceleration_rad_s2: acceleration.map(|column| column[row]),
             torque_mnm: capture.torque_mnm[row],
-            contact: None,
             after_s: capture.measured_after_s.as_ref().map_or(0.0, |column| column[row]),
-            is_stale: false,
-            stale_code: 0,
+            ..Measurement::default()
         };
         // A run that ends in a fault goes torque-free with its last sample, whatever the limit was.
         let at_fault = state[row] == LoopState::Fault.code();

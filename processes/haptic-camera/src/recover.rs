@@ -68,13 +68,10 @@ fn merge(archive: &Path, parts: &[PathBuf], out: &Path) -> anyhow::Result<Outcom
         0 => String::new(),
         count => format!("; no checksum covers {count} of the samples, which truncated chunks have"),
     };
+    let (out, kept, parts, dropped) = (out.display(), ledger.admitted(), parts.len(), merged.bytes_dropped);
     say(format!(
-        "{}: kept {} samples{bounds} of {} parts, {missing}{unchecked}; {} bytes dropped; the recording was not \
-         finished, later samples are lost",
-        out.display(),
-        ledger.admitted(),
-        parts.len(),
-        merged.bytes_dropped
+        "{out}: kept {kept} samples{bounds} of {parts} parts, {missing}{unchecked}; {dropped} bytes dropped; the \
+         recording was not finished, later samples are lost"
     ));
     Ok(Outcome::DataLost)
 }

@@ -71,7 +71,6 @@ impl ReplayOptions {
 /// Most models that are listed at the end.
 const LISTED_MODELS: usize = 12;
 
-/// Renders a model from start to end and keeps what the hand did.
 pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
     let interrupt = Interrupt::listen()?;
     if options.verify {

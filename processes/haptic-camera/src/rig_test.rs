@@ -89,23 +89,15 @@ fn wait_until_locked(rig: &RigOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Original minus measured, beside the paper's rig; `filtered` is the SD behind the filters that the paper fits with.
 fn differences(differences: &[ChannelDifference]) -> Table {
     let rows = differences.iter().map(|row| {
-        [
-            row.channel.to_owned(),
-            format!("{:.5}", row.mean),
-            format!("{:.5}", row.sd),
-            format!("{:.5}", row.sd_filtered),
-            format!("{:.4}", row.paper_mean),
-            format!("{:.4}", row.paper_sd),
-            row.unit.to_owned(),
-        ]
+        let [mean, sd, filtered] = [row.mean, row.sd, row.sd_filtered].map(|own| format!("{own:.5}"));
+        let [paper_mean, paper_sd] = [row.paper_mean, row.paper_sd].map(|printed| format!("{printed:.4}"));
+        [row.channel.to_owned(), mean, sd, filtered, paper_mean, paper_sd, row.unit.to_owned()]
     });
     table(["channel", "mean", "SD", "filtered", "paper's mean", "paper's SD", "unit"], 1..6, rows)
 }
 
-/// Phase lags at 30 Hz, beside what the paper says of its own.
 fn lags(lags: &[ChannelLag]) -> Table {
     let rows = lags.iter().map(|lag| {
         [

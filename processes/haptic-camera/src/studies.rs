@@ -59,7 +59,6 @@ pub struct GaugeOptions {
     pub nested: bool,
 }
 
-/// Whether a process keeps its units within their limits.
 pub fn run_capability(options: &CapabilityOptions) -> anyhow::Result<()> {
     let specification = load_specification(&options.spec)?;
     let study = study(&options.study, Some(&specification))?;
@@ -69,7 +68,6 @@ pub fn run_capability(options: &CapabilityOptions) -> anyhow::Result<()> {
     write_if_asked(&options.dfq, kind::QDAS, || study.qdas(&specification.name))
 }
 
-/// Whether a tester is good enough to tell the units apart.
 pub fn run_gauge(options: &GaugeOptions) -> anyhow::Result<()> {
     let specification = options.spec.as_deref().map(load_specification).transpose()?;
     let design = if options.nested { Design::Nested } else { Design::Crossed };

@@ -5,6 +5,7 @@ use std::io::IsTerminal as _;
 use comfy_table::{CellAlignment, ContentArrangement, Row, Table, presets};
 use console::measure_text_width;
 use indicatif::{ProgressBar, ProgressStyle};
+pub use sheet::digits;
 
 pub const WIDTH: u16 = 80;
 
@@ -108,11 +109,6 @@ pub fn by_reason<'a>(named: impl IntoIterator<Item = (&'a str, &'a str)>) -> Vec
         }
     }
     lines.into_iter().map(|(names, reason)| format!("{}: {reason}", names.join(", "))).collect()
-}
-
-/// Decimals that show a width with two digits.
-pub fn digits(width: f64) -> usize {
-    if width > 0.0 { decimals(width, 2.0, [0.0, 9.0]) } else { 4 }
 }
 
 /// Decimals that show a value with so many digits, within bounds.

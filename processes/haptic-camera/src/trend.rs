@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
-use analysis::Row;
+use analysis::{CI95_ENDS, Row};
 use anyhow::{Context as _, ensure};
 use clap::Args;
 use dynamics::Axis;
@@ -28,8 +28,6 @@ pub struct TrendOptions {
 
 const GROUPS: [&str; 2] = ["knob", "rig"];
 const DAY_NS: f64 = 86_400e9;
-/// Endings of the column names of an interval's two ends.
-const ENDS: [&str; 2] = ["_ci95_low", "_ci95_high"];
 
 pub fn run(options: &TrendOptions) -> anyhow::Result<()> {
     let (axis, trend) = read(&options.table, &options.by)?;
@@ -72,7 +70,7 @@ fn read(table: &Path, by: &str) -> anyhow::Result<(Axis, Trend)> {
         ..Trend::default()
     };
     let parameters: Vec<&String> =
-        columns.iter().filter(|name| columns.contains(&format!("{name}{}", ENDS[0]))).collect();
+        columns.iter().filter(|name| columns.contains(&format!("{name}{}", CI95_ENDS[0]))).collect();
     // Days since 1970 first: that of the first capture is not known before the last one is read.
     let mut groups: BTreeMap<String, Vec<Vec<TrendPoint>>> = BTreeMap::new();
     let mut first_days = f64::INFINITY;
@@ -102,7 +100,7 @@ fn read(table: &Path, by: &str) -> anyhow::Result<(Axis, Trend)> {
         let days = captured_at_ns / DAY_NS;
         first_days = first_days.min(days);
         for (points, name) in group.iter_mut().zip(&parameters) {
-            let [low, high] = ENDS.map(|end| real(&format!("{name}{end}")));
+            let [low, high] = CI95_ENDS.map(|end| real(&format!("{name}{end}")));
             let ci95 = low.zip(high).map(|(low, high)| [low, high]);
             points.extend(real(name).map(|value| TrendPoint { days, value, ci95 }));
         }

@@ -1,5 +1,6 @@
 //! `tune`: turns the parameters of the model that a running replay renders.
 
+use std::fmt::Display;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, anyhow, bail};
@@ -92,7 +93,6 @@ impl LoopModels {
         Ok(Self { client: services::model_client(&node)?, _node: node })
     }
 
-    /// The model that is rendered, or is about to be.
     fn present(&self) -> anyhow::Result<Present> {
         match self.ask(&ModelRequest::Present)? {
             Some(ModelAnswer::Rendered { revision, model_toml }) => read_present(revision, &model_toml),
@@ -186,7 +186,7 @@ fn apply(settings: &[(String, f64)], model: &mut Model) -> Result<(), Compositio
     Ok(())
 }
 
-fn line(parameter: &ParameterKind, value: f64) -> String {
+fn line(parameter: &ParameterKind, value: impl Display) -> String {
     format!("  {:<22} {value}{}", parameter.name, dynamics::spaced_unit(parameter.unit))
 }
 
@@ -201,8 +201,7 @@ fn changes(old: &Model, new: &Model) -> Vec<String> {
         let (before, after) = (old.parameter(parameter.name), new.parameter(parameter.name));
         if before != after {
             let value = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| value.to_string());
-            let unit = dynamics::spaced_unit(parameter.unit);
-            let line = format!("  {:<22} {} → {}{unit}", parameter.name, value(before), value(after));
+            let line = line(parameter, format!("{} → {}", value(before), value(after)));
             lines.push(new.axis.words(&line).into_owned());
         }
     }

@@ -67,13 +67,9 @@ impl StopRule {
         self.newest_s = time_s;
         let enough = !estimate.parameters.is_empty() && estimate.parameters.iter().all(LiveParameter::is_settled);
         self.last = Some(estimate);
-        self.held = match self.held {
-            _ if !enough => None,
-            None => Some((time_s, 1)),
-            Some((since_s, estimates)) => Some((since_s, estimates + 1)),
-        };
-        let is_held = |(since_s, estimates)| time_s >= HELD_GROWTH * since_s && estimates >= HELD_ESTIMATES;
-        let ends = self.held.is_some_and(is_held);
+        let (since_s, estimates) = self.held.map_or((time_s, 1), |(since_s, estimates)| (since_s, estimates + 1));
+        self.held = enough.then_some((since_s, estimates));
+        let ends = enough && time_s >= HELD_GROWTH * since_s && estimates >= HELD_ESTIMATES;
         self.ended_s = self.ended_s.or(ends.then_some(time_s));
         ends
     }
@@ -155,20 +151,16 @@ mod tests {
         estimate
     }
 
-    fn rule() -> StopRule {
-        StopRule::new("1%".parse().unwrap())
-    }
-
     /// The time at which a rule that hears the same again and again ends a sweep of ten seconds.
     fn ends_at(knowledge: &LiveEstimate) -> Option<f64> {
-        let mut rule = rule();
+        let mut rule = StopRule::new(Share(0.01));
         (1..=250).map(|index| f64::from(index) * 0.04).find(|&time_s| rule.take(time_s, knowledge.clone()))
     }
 
     #[test]
     fn it_must_hold_over_successive_estimates_and_a_tenth_more_data() {
         let (good, bad) = (knowledge(&[CONVERGED]), knowledge(&[OPEN]));
-        let mut rule = rule();
+        let mut rule = StopRule::new(Share(0.01));
         for index in 1..=100 {
             assert!(!rule.take(f64::from(index) * 0.04, bad.clone()));
         }
@@ -181,7 +173,7 @@ mod tests {
 
     #[test]
     fn the_same_estimate_heard_again_is_no_further_evidence() {
-        let mut rule = rule();
+        let mut rule = StopRule::new(Share(0.01));
         let good = knowledge(&[CONVERGED]);
         assert!((0..1000).all(|_| !rule.take(0.04, good.clone())));
     }

@@ -1,6 +1,5 @@
 //! `capture`: a knob turned through a sweep, recorded and fitted.
 
-mod evidence;
 mod finish;
 mod next;
 mod series;

@@ -3,15 +3,14 @@
 use std::path::Path;
 
 use archive::testers::Curve;
+use dynamics::{Coordinate, effects};
 use identification::diagnosis::Diagnosis;
 use loaded_capture::LoadedCapture;
 use rt_loop::request::RunRequest;
-use sheet::{Judgement, Sheet, Verdict};
+use sheet::{Sheet, Verdict};
 
-use super::CaptureOptions;
-use super::evidence::diagnosed;
 use super::next::next;
-use super::{finish, supervised};
+use super::{CaptureOptions, finish, supervised};
 use crate::outcome::{Outcome, remark, say, show};
 use crate::outputs::{ResultFiles, kind, show_on, write};
 use crate::supervision::{Interrupt, LoopSaidWhy, claim_archive};
@@ -47,7 +46,7 @@ pub(super) fn until_named(options: &CaptureOptions, interrupt: &Interrupt) -> an
     }
     let mut before: Option<Diagnosis> = None;
     loop {
-        let found = diagnosed(options, taken.iter().collect(), before.as_ref());
+        let found = diagnosed(options.reach, &taken, before.as_ref());
         let found = match (found, before.take()) {
             (Ok(found), _) => found,
             (Err(error), Some(before)) => {
@@ -84,6 +83,34 @@ pub(super) fn until_named(options: &CaptureOptions, interrupt: &Interrupt) -> an
     }
 }
 
+/// Diagnoses all captures so far, two at least; `before` is the diagnosis of all but the last.
+///
+/// The second capture is held out; the first and all later ones are fitted together, so that the experiments which tell rivals
+/// apart also determine their parameters, and the sweep the others. An effect of the time since a capture began cannot be fitted
+/// across captures: where one is named or tied, the first capture alone is fitted and the last one is held out.
+fn diagnosed(reach: Option<f64>, taken: &[LoadedCapture], before: Option<&Diagnosis>) -> anyhow::Result<Diagnosis> {
+    let mut fitted: Vec<&LoadedCapture> = taken.iter().collect();
+    let held_out = if before.is_some_and(depends_on_time) {
+        let last = fitted.split_off(fitted.len() - 1);
+        fitted.truncate(1);
+        last
+    } else {
+        vec![fitted.remove(1)]
+    };
+    let (train, heldout) = (LoadedCapture::joined(&fitted), LoadedCapture::joined(&held_out));
+    let found = diagnose::with_progress(|progress| {
+        Ok(analysis::diagnose_in_these_roles(reach, &train, &heldout, None, Some(progress))?)
+    })?;
+    ["", &found.summary].iter().for_each(say);
+    Ok(found)
+}
+
+/// Whether a name or a rival is an effect of the time since a capture began.
+fn depends_on_time(found: &Diagnosis) -> bool {
+    let names = found.steps.iter().flat_map(|step| step.ties.iter().chain([&step.effect]));
+    names.into_iter().filter_map(|name| effects::by_name(name)).any(|kind| kind.depends_on.contains(&Coordinate::Time))
+}
+
 /// Turns or presses the unit until it passes or fails, or the turns are spent.
 pub(super) fn until_certain(options: &CaptureOptions, spec: &Path, interrupt: &Interrupt) -> anyhow::Result<Outcome> {
     let specification = analysis::load_specification(spec)?;
@@ -100,8 +127,10 @@ pub(super) fn until_certain(options: &CaptureOptions, spec: &Path, interrupt: &I
             }
         }
         let judgement = specification.judge(&Sheet::of(&Curve::evidence(&curves))?);
-        tell(curves.len(), &judgement);
         verdict = judgement.verdict;
+        let turns = curves.len();
+        let after = if turns == 1 { "the first slow turn".to_owned() } else { format!("{turns} slow turns") };
+        say([&[format!("{} after {after}", verdict.word())], judgement.reasons.as_slice()].concat().join("; "));
     }
     // A unit out of specification is so whatever else was lost.
     Ok(match judge::outcome(verdict) {
@@ -158,10 +187,4 @@ fn conclude(options: &CaptureOptions, taken: &[LoadedCapture], found: &Diagnosis
     say(format!("report   {}", report.display()));
     options.recording.iter().for_each(|path| say(format!("recording  {}", path.display())));
     Ok(())
-}
-
-fn tell(turns: usize, Judgement { verdict, reasons, .. }: &Judgement) {
-    let after = if turns == 1 { "after the first slow turn".to_owned() } else { format!("after {turns} slow turns") };
-    let sentence = format!("{} {after}", verdict.word());
-    say([&[sentence], reasons.as_slice()].concat().join("; "));
 }

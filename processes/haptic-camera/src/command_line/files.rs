@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use analysis::ends_in;
 use archive::whole_file::Replace;
 
 use super::Command;
@@ -13,7 +14,6 @@ use crate::simulate::SimulateOptions;
 use crate::studies::StudyOptions;
 
 impl Command {
-    /// The files to check before the command starts.
     pub fn files(&self) -> Files {
         let files = Files::default();
         let study = |study: &StudyOptions| {
@@ -45,13 +45,10 @@ impl Command {
                 .telling(&options.results)
                 .writing(&options.out, kind::DIAGNOSED_MODEL)
                 .writing(&options.recording, kind::RECORDING),
-            Self::Calibrate(options) => {
-                // The given calibration may be overwritten.
-                files
-                    .reading(&options.captures)
-                    .reading(&options.rig.request.rig)
-                    .writing(&options.out, options.replaced())
-            }
+            Self::Calibrate(options) => files
+                .reading(&options.captures)
+                .reading(&options.rig.request.rig)
+                .writing(&options.out, options.replaced()),
             Self::RigTest(options) => files
                 .reading(&options.rig.request.rig)
                 .reading(&options.rig.request.calibration)
@@ -88,8 +85,8 @@ impl Command {
                 files.reading([&options.rig.file]).writing(&options.json, kind::JSON)
             }
             Self::Rig(RigCommand::Commission(options)) => files.writing(options.written(), options.replaced()),
-            Self::Rig(RigCommand::New(options)) => files.writing(&options.out, kind::DATA),
-            Self::Rig(RigCommand::Scan(options)) => files.writing(&options.out, kind::DATA),
+            Self::Rig(RigCommand::New { out, .. }) => files.writing(out, kind::DATA),
+            Self::Rig(RigCommand::Scan { out, .. }) => files.writing(out, kind::DATA),
             Self::Compose(options) => files.reading(options.sources()).writing(&options.out, options.replaced()),
             // `man` writes into a folder.
             Self::Man { .. }
@@ -112,7 +109,7 @@ impl CalibrateOptions {
 
 impl SimulateOptions {
     pub fn writes_table(&self) -> bool {
-        self.out.as_ref().and_then(|out| out.extension()).is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))
+        self.out.as_deref().is_some_and(|out| ends_in(out, "csv"))
     }
 
     fn kind(&self) -> Replace {
@@ -123,8 +120,7 @@ impl SimulateOptions {
 impl ExportOptions {
     /// The file of Isaac Lab's fields, next to a URDF file.
     pub fn isaac_lab(&self) -> Option<PathBuf> {
-        let is_urdf = self.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("urdf"));
-        is_urdf.then(|| self.out.with_extension("isaac.json"))
+        ends_in(&self.out, "urdf").then(|| self.out.with_extension("isaac.json"))
     }
 
     fn kind(&self) -> Replace {

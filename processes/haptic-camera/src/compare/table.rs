@@ -58,8 +58,7 @@ fn felt(knob: &ComparedKnob, first: &str) -> Option<String> {
 }
 
 fn table(knobs: &[ComparedKnob]) -> Table {
-    let names = knobs.iter().map(|knob| knob.name.clone());
-    let header: Vec<String> = ["parameter".to_owned()].into_iter().chain(names).chain(["unit".to_owned()]).collect();
+    let header = row("parameter", knobs.iter().map(|knob| Some(knob.name.clone())), "unit");
     let mut rows = Vec::new();
     for kind in dynamics::effects::ALL.iter().flat_map(|effect| effect.parameters) {
         let own = knobs.iter().map(|knob| knob.parameters.get(kind.name));
@@ -94,19 +93,14 @@ fn cell(own: &ComparedValue) -> String {
     match (own.value, own.ci95) {
         (Some(value), Some(ci95)) => {
             let half = half_width(value, ci95);
-            let digits = interval_digits(half);
+            // One digit of the half width, or two if the first is a 1.
+            let leading = half / 10_f64.powf(half.log10().floor());
+            let digits = if leading < 1.95 { digits(half) } else { digits(half).saturating_sub(1) };
             format!("{value:.digits$}±{half:.digits$}")
         }
         (Some(value), None) => significant(value, DIGITS),
         (None, _) => "-".to_owned(),
     }
-}
-
-/// Decimals that show a half width with one digit, or with two if the first is a 1.
-fn interval_digits(half_width: f64) -> usize {
-    let two_digits = digits(half_width);
-    let leading = half_width / 10_f64.powf(half_width.log10().floor());
-    if leading < 1.95 { two_digits } else { two_digits.saturating_sub(1) }
 }
 
 fn significant(value: f64, digits: f64) -> String {

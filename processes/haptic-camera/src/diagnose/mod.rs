@@ -8,7 +8,7 @@ use std::process::Stdio;
 use analysis::{DiagnosisResult, diagnosed_model, refuse_drawn};
 use anyhow::Context as _;
 use clap::Args;
-use identification::diagnosis::{Diagnosis, Progress, Row};
+use identification::diagnosis::{Diagnosis, Progress};
 use loaded_capture::LoadedCapture;
 use report::DiagnosisPage;
 use serde_json::json;
@@ -41,7 +41,6 @@ pub struct DiagnoseOptions {
     pub recording: Option<PathBuf>,
 }
 
-/// Diagnoses a capture and writes what was asked for.
 pub fn run(options: &DiagnoseOptions) -> anyhow::Result<()> {
     let load = |path: &Path| load::load_chosen(path, &options.columns);
     let train = load(&options.train)?;
@@ -58,6 +57,9 @@ pub fn run(options: &DiagnoseOptions) -> anyhow::Result<()> {
 }
 
 /// Writes a diagnosis of a training and a held-out capture as JSON, page and rerun file, each if it was asked for.
+///
+/// The rerun file is written by running the viewer's program, since this program does not contain rerun. Without a held-out capture,
+/// the held-out rows are stretches of the training capture.
 pub fn write_results(
     results: &ResultFiles,
     recording: &Option<PathBuf>,
@@ -69,24 +71,10 @@ pub fn write_results(
     let page = DiagnosisPage { found, train: analysis::facts(train), heldout: heldout.map(analysis::facts) };
     let result = |figures| DiagnosisResult::of(&page, figures);
     results.write(train.capture.axis, || report::diagnosis_page_with_numbers(&page), result)?;
-    recording.as_ref().map_or(Ok(()), |path| record(path, found, train, heldout))
-}
-
-/// Writes a diagnosis as a rerun file by running the viewer's program: this program does not contain rerun.
-///
-/// Without a held-out capture, the held-out rows are stretches of the training capture.
-fn record(
-    path: &Path,
-    found: &Diagnosis,
-    train: &LoadedCapture,
-    heldout: Option<&LoadedCapture>,
-) -> anyhow::Result<()> {
+    let Some(path) = recording else { return Ok(()) };
     let [of_train, of_heldout] = &found.rows;
-    let capture = |role: &str, loaded: &LoadedCapture, rows: &[Row]| {
-        let source = loaded.title();
-        json!({ "role": role, "source": source, "rows": rows })
-    };
-    let captures = [capture("training", train, of_train), capture("heldout", heldout.unwrap_or(train), of_heldout)];
+    let captures = [("training", train, of_train), ("heldout", heldout.unwrap_or(train), of_heldout)];
+    let captures = captures.map(|(role, loaded, rows)| json!({ "role": role, "source": loaded.title(), "rows": rows }));
     let recording = json!({ "diagnosis": found, "captures": captures });
     let folder = tempfile::tempdir().context("the recording's rows cannot be stored")?;
     let json = folder.path().join("diagnosis.json");

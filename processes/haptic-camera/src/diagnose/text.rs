@@ -27,8 +27,7 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
              and with as many parameters.",
             found.noise_floor_rms
         ));
-        let tables = [steps(&found.steps, decimals).to_string(), String::new(), parameters(&found.steps).to_string()];
-        lines.extend(tables);
+        lines.extend([steps(&found.steps, decimals).to_string(), String::new(), parameters(&found.steps).to_string()]);
         let detented = found.steps.iter().filter(|step| !step.detents.is_empty());
         lines.extend(detented.map(|step| detents(step).to_string()));
         let tied = found.steps.iter().filter(|step| !step.ties.is_empty());
@@ -64,18 +63,16 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
 /// The torque that was measured over a coordinate and that no effect matches.
 fn measured(characteristic: &Characteristic, decimals: usize) -> String {
     let unit = if characteristic.coordinate == "velocity" { "rad/s" } else { "rad" };
-    let ends =
-        [characteristic.points.first(), characteristic.points.last()].map(|point| point.map_or(0.0, |end| end.at));
-    let largest = characteristic.points.iter().max_by(|a, b| a.torque_mnm.abs().total_cmp(&b.torque_mnm.abs()));
+    let points = &characteristic.points;
+    let [first, last] = [points.first(), points.last()].map(|point| point.map_or(0.0, |end| end.at));
+    let largest = points.iter().max_by(|a, b| a.torque_mnm.abs().total_cmp(&b.torque_mnm.abs()));
     let largest = largest.map_or_else(String::new, |point| {
         format!(", largest at {:.3} {unit} with {:.decimals$} mNm", point.at, point.torque_mnm)
     });
     format!(
-        "{} is measured at {} points from {:.3} to {:.3} {unit}{largest}; no effect matches it.",
+        "{} is measured at {} points from {first:.3} to {last:.3} {unit}{largest}; no effect matches it.",
         characteristic.effect,
-        characteristic.points.len(),
-        ends[0],
-        ends[1]
+        points.len()
     )
 }
 

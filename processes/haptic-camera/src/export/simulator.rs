@@ -46,7 +46,6 @@ pub(super) fn urdf(model: &Model, options: &ExportOptions) -> anyhow::Result<Str
     Ok(format!("{words}\n{beside}: armature and friction as Isaac Lab's ImplicitActuatorCfg takes them"))
 }
 
-/// An FMU around the library that lies beside this program.
 pub(super) fn fmu(model: &Model, options: &ExportOptions) -> anyhow::Result<String> {
     let place = program_path(FMU_LIBRARY)?;
     let library = std::fs::read(&place).with_context(|| {

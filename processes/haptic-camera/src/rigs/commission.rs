@@ -97,14 +97,15 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
             Ok((archive, _)) => archive,
             Err(error) if too_far < TOO_FAR && fault_of(&error) == Some(Fault::Angle) => {
                 too_far += 1;
-                if sweep == SLOW {
-                    say(axis.words("the angle left the permitted range: going on with faster torques, which move less"));
+                let next = if sweep == SLOW {
                     sweep = FAST;
+                    "faster torques, which move less"
                 } else {
-                    say(axis.words("the angle left the permitted range: going on with less"));
                     ceiling_mnm = amplitude_mnm;
                     amplitude_mnm *= 0.5;
-                }
+                    "less"
+                };
+                say(axis.words(&format!("the angle left the permitted range: going on with {next}")));
                 continue;
             }
             Err(error) => return Err(with_doubt_of_scale(error, axis)),
@@ -119,17 +120,16 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
         if tries.len() == COMPARED || !tries.is_empty() && amplitude_mnm >= most_mnm {
             return conclude(&tries, &file, options);
         }
+        let unit = axis.load_unit();
         anyhow::ensure!(
             amplitude_mnm < most_mnm,
-            "the knob does not move at {most_mnm} {}: check that the amplifier is on and [channels.motor] scale, or try more with \
-             --most-torque",
-            axis.load_unit()
+            "the knob does not move at {most_mnm} {unit}: check that the amplifier is on and [channels.motor] scale, or try more with \
+             --most-torque"
         );
         anyhow::ensure!(
             ceiling_mnm - amplitude_mnm > CLOSE_SHARE * amplitude_mnm,
-            "{amplitude_mnm:.3} {} hardly move the knob, and a little more takes it out of the permitted range: widen [limits], or set the knob \
-             to the middle of its travel",
-            axis.load_unit()
+            "{amplitude_mnm:.3} {unit} hardly move the knob, and a little more takes it out of the permitted range: widen [limits], or set the knob \
+             to the middle of its travel"
         );
         amplitude_mnm = (RISE * amplitude_mnm).min(most_mnm).min(0.5 * (amplitude_mnm + ceiling_mnm));
     }

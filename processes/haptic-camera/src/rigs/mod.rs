@@ -3,7 +3,7 @@
 mod check;
 mod commission;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::atomic::Ordering;
 
@@ -23,11 +23,25 @@ pub enum RigCommand {
     /// Start a rig without torque: readings and noise of its channels, rate, watchdog
     Check(RigCheckOptions),
     /// Write a commented rig file, and the header for your own library
-    New(RigNewOptions),
+    New {
+        /// The driver, as listed by `rig list`
+        #[arg(long, default_value = "plugin")]
+        driver: String,
+        /// Where to write the rig file
+        #[arg(long, value_name = "FILE.toml")]
+        out: PathBuf,
+    },
     /// List the drivers that a rig file may name
     List,
     /// Search a network interface or a tty for devices, and write a rig file for them
-    Scan(RigScanOptions),
+    Scan {
+        /// A network interface or a tty
+        #[arg(value_name = "TARGET")]
+        target: String,
+        /// Write a rig file for the devices here
+        #[arg(long, value_name = "FILE.toml")]
+        out: Option<PathBuf>,
+    },
     /// Turn a rig for the first time, with little torque: signs, scales, inertia
     Commission(RigCommissionOptions),
 }
@@ -42,47 +56,27 @@ pub struct RigFileOptions {
     pub rate_hz: Option<f64>,
 }
 
-#[derive(Debug, Args)]
-pub struct RigNewOptions {
-    /// The driver, as listed by `rig list`
-    #[arg(long, default_value = "plugin")]
-    pub driver: String,
-    /// Where to write the rig file
-    #[arg(long, value_name = "FILE.toml")]
-    pub out: PathBuf,
-}
-
-#[derive(Debug, Args)]
-pub struct RigScanOptions {
-    /// A network interface or a tty
-    #[arg(value_name = "TARGET")]
-    pub target: String,
-    /// Write a rig file for the devices here
-    #[arg(long, value_name = "FILE.toml")]
-    pub out: Option<PathBuf>,
-}
-
 /// Sample rate of a rig whose file names none, Hz.
 const USUAL_RATE_HZ: f64 = 10_000.0;
 
 pub fn run(command: &RigCommand) -> anyhow::Result<Outcome> {
     match command {
         RigCommand::Check(options) => check::run(options),
-        RigCommand::New(options) => new(options),
+        RigCommand::New { driver, out } => new(driver, out),
         RigCommand::List => list(),
-        RigCommand::Scan(options) => scan(options),
+        RigCommand::Scan { target, out } => scan(target, out.as_deref()),
         RigCommand::Commission(options) => commission::run(options),
     }
 }
 
-fn new(options: &RigNewOptions) -> anyhow::Result<Outcome> {
-    let kind = rt_loop::rigs::ALL.into_iter().find(|kind| kind.name == options.driver);
+fn new(driver: &str, out: &Path) -> anyhow::Result<Outcome> {
+    let kind = rt_loop::rigs::ALL.into_iter().find(|kind| kind.name == driver);
     let names = || rt_loop::rigs::ALL.map(|kind| kind.name).join(", ");
-    let kind = kind.with_context(|| format!("there is no driver '{}'; known are {}", options.driver, names()))?;
-    write(&options.out, kind::DATA, kind.template)?;
-    say(format!("rig file {}", options.out.display()));
+    let kind = kind.with_context(|| format!("there is no driver '{driver}'; known are {}", names()))?;
+    write(out, kind::DATA, kind.template)?;
+    say(format!("rig file {}", out.display()));
     if kind.name == "plugin" {
-        let header = options.out.with_file_name("haptic_rig.h");
+        let header = out.with_file_name("haptic_rig.h");
         if !header.exists() {
             write(&header, kind::DATA, hal::plugin::HEADER)?;
             say(format!("header   {}", header.display()));
@@ -91,7 +85,6 @@ fn new(options: &RigNewOptions) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Lists the drivers of the control loop that lies beside this program.
 fn list() -> anyhow::Result<Outcome> {
     let listed = program("rt-loop")?.arg("--drivers").stderr(Stdio::inherit()).output()?;
     anyhow::ensure!(listed.status.success(), "the control loop does not list its drivers; build the whole workspace");
@@ -99,19 +92,16 @@ fn list() -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Lists the devices at a target, and writes a rig file for them.
-fn scan(options: &RigScanOptions) -> anyhow::Result<Outcome> {
+fn scan(target: &str, out: Option<&Path>) -> anyhow::Result<Outcome> {
     let interrupt = Interrupt::listen()?;
     let found = interrupt.noted_during(|noted| {
         let stop = || noted.load(Ordering::Relaxed);
-        rt_loop::rigs::scan(&rt_loop::rigs::ALL, &options.target, &stop)
+        rt_loop::rigs::scan(&rt_loop::rigs::ALL, target, &stop)
     })?;
     found.lines.iter().for_each(say);
-    if let Some(out) = &options.out {
-        let text = found.rig_file.as_ref();
-        let text =
-            text.with_context(|| format!("{} has no device for a rig; no rig file is written", options.target))?;
-        write(out, kind::DATA, text)?;
+    if let Some(out) = out {
+        let none = || format!("{target} has no device for a rig; no rig file is written");
+        write(out, kind::DATA, found.rig_file.as_ref().with_context(none)?)?;
         say(format!("rig file {}", out.display()));
     }
     Ok(Outcome::Done)

@@ -18,7 +18,6 @@ const STEPS: u32 = 7200;
 /// Detents that are shown of each knob.
 const DETENTS: f64 = 4.0;
 
-/// The page that a designer pins to the wall.
 pub fn page() -> anyhow::Result<WallPage> {
     let papers = (1..=5).map(of_paper).collect::<anyhow::Result<Vec<WallKnob>>>()?;
     let smart: Vec<WallKnob> = SMARTKNOBS.iter().map(of_smartknob).collect();

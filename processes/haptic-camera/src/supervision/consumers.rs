@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::os::unix::fs::FileExt as _;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 use rt_loop::realtime::OffCore;
@@ -143,7 +143,11 @@ impl Consumer {
         let _elsewhere = OffCore::leave(self.loop_core);
         let mut command = program(self.kind.name())?;
         command.args(&self.arguments).arg(format!("--restarts={}", self.starts));
-        words.take_from(&mut command);
+        if let Some(file) = &words.file
+            && let (Ok(output), Ok(errors)) = (file.try_clone(), file.try_clone())
+        {
+            command.stdout(output).stderr(errors);
+        }
         if self.starts > 0 {
             // What it prints at its start has been printed.
             command.stdout(Stdio::null());
@@ -238,13 +242,6 @@ struct Words {
 }
 
 impl Words {
-    fn take_from(&self, command: &mut Command) {
-        let Some(file) = &self.file else { return };
-        if let (Ok(output), Ok(errors)) = (file.try_clone(), file.try_clone()) {
-            command.stdout(output).stderr(errors);
-        }
-    }
-
     /// Prints the lines that are complete, longer ones than so many bytes in pieces.
     fn tell(&mut self) {
         let Some(file) = &self.file else { return };

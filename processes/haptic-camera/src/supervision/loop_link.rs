@@ -99,7 +99,6 @@ impl LoopLink {
         self.fit.as_ref().filter(|fit| fit.run_id == self.status.run_id)
     }
 
-    /// The last health report of a consumer; `None` if it has sent none.
     pub(crate) fn health_of(&self, kind: ProcessKind) -> Option<&ProcessHealth> {
         self.health.iter().find(|health| health.process == kind.code())
     }

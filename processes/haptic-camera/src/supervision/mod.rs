@@ -192,8 +192,12 @@ impl SupervisedRun {
             progress.show(&link);
             if !stopped_by_operator {
                 stopped_by_operator = interrupted.load(Ordering::Acquire);
-                if is_enough_known(rule.as_mut(), &link) || stopped_by_operator {
-                    stop(&link, control_loop);
+                // The loop takes the torque down and ends; by force if it does not answer.
+                if (is_enough_known(rule.as_mut(), &link) || stopped_by_operator)
+                    && let Err(error) = link.request(CommandKind::Stop)
+                {
+                    remark(format!("{error:#}"));
+                    control_loop.end(LOOP_ENDS);
                 }
             }
             if control_loop.silence() > LOOP_HUNG {
@@ -219,14 +223,6 @@ fn is_enough_known(rule: Option<&mut StopRule>, link: &LoopLink) -> bool {
     let Some((rule, fit)) = rule.filter(|rule| rule.ended_s.is_none()).zip(link.fit()) else { return false };
     let time_s = fit.latest_tick as f64 / link.status.rate_hz.max(1.0);
     rule.take(time_s, estimate_of(fit))
-}
-
-/// Has the loop take the torque down and end; by force if it does not answer.
-fn stop(link: &LoopLink, control_loop: &mut Child) {
-    if let Err(error) = link.request(CommandKind::Stop) {
-        remark(format!("{error:#}"));
-        control_loop.end(LOOP_ENDS);
-    }
 }
 
 pub(crate) fn clear_shared_memory() {

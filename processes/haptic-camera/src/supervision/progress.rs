@@ -102,7 +102,6 @@ fn steps(time_s: f64) -> u64 {
     (time_s * STEPS_PER_S).ceil() as u64
 }
 
-/// How far run and fit are, and what was lost.
 fn fit_line(link: &LoopLink, until: Option<Share>) -> String {
     let axis = link.run.axis;
     let known = link.fit().map_or_else(String::new, |fit| {
@@ -116,7 +115,6 @@ fn fit_line(link: &LoopLink, until: Option<Share>) -> String {
     format!("{}{known}", time_line(link))
 }
 
-/// How far the run is, and what was lost.
 fn time_line(link: &LoopLink) -> String {
     format!("{:5.1} s, {}", link.elapsed_s(), losses(link))
 }
@@ -138,7 +136,6 @@ fn finer(axis: Axis) -> usize {
     if axis.is_rotary() { 0 } else { 2 }
 }
 
-/// What a hand does to a rendered model, and what it feels.
 fn rendering_line(link: &LoopLink) -> String {
     let status = &link.status;
     let contact = if status.flags & Sample::STUCK == 0 { "sliding" } else { "stuck" };

@@ -86,7 +86,6 @@ impl RunEnd {
         None
     }
 
-    /// The outcome of the command that made the run if the recorder could not close the archive.
     pub(crate) fn outcome_without_archive(&self) -> Outcome {
         if self.recorder_exit == Some(3) { self.outcome(true) } else { Outcome::Failed }
     }
@@ -166,30 +165,26 @@ mod tests {
         LoopStatus { planned_ticks: 1_000, published_samples, missed_ticks, dropped_samples, ..LoopStatus::default() }
     }
 
-    fn archived(samples: u64, gaps: &[(u64, u64)]) -> Overview {
-        let gaps: Vec<Gap> = gaps
-            .iter()
-            .map(|&(first, last)| Gap { first_missing_seq: first, last_missing_seq: last, count: last - first + 1 })
-            .collect();
-        Overview { samples, lost_samples: gaps.iter().map(|gap| gap.count).sum(), gaps, ..Overview::default() }
-    }
-
     #[test]
     fn an_archive_that_ends_before_the_run_is_reported_with_the_samples_after_its_end() {
-        let losses = losses(&status(1_000, 0, 0), &archived(300, &[]), false);
+        let archived = Overview { samples: 300, ..Overview::default() };
+        let losses = losses(&status(1_000, 0, 0), &archived, false);
         assert_eq!(losses, ["700 of 1000 samples are missing in the archive: samples 300 to 999 (700)"]);
     }
 
     #[test]
     fn a_run_that_was_cut_short_is_reported_and_one_that_the_operator_ended_is_not() {
-        let [cut]: [String; 1] = losses(&status(400, 5, 0), &archived(400, &[]), false).try_into().unwrap_or_default();
+        let archived = Overview { samples: 400, ..Overview::default() };
+        let [cut]: [String; 1] = losses(&status(400, 5, 0), &archived, false).try_into().unwrap_or_default();
         assert!(cut.contains("after 405 of 1000 ticks: ticks 405 to 999 (595)"), "{cut}");
-        assert_eq!(losses(&status(400, 5, 0), &archived(400, &[]), true), Vec::<String>::new());
+        assert_eq!(losses(&status(400, 5, 0), &archived, true), Vec::<String>::new());
     }
 
     #[test]
     fn samples_that_were_never_published_are_reported_though_the_archive_has_all_that_were() {
-        let losses = losses(&status(800, 0, 200), &archived(800, &[(600, 799)]), false);
+        let gaps = vec![Gap { first_missing_seq: 600, last_missing_seq: 799, count: 200 }];
+        let archived = Overview { samples: 800, lost_samples: 200, gaps, ..Overview::default() };
+        let losses = losses(&status(800, 0, 200), &archived, false);
         assert_eq!(losses.len(), 2, "{losses:?}");
         assert!(losses[0].contains("200 samples were taken but not published"), "{losses:?}");
         assert_eq!(losses[1], "200 of 1000 samples are missing in the archive: samples 600 to 799 (200)");

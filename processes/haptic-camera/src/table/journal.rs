@@ -15,9 +15,7 @@ use dynamics::Axis;
 use nix::libc::O_NOFOLLOW;
 use parquet::basic::{Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
-use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
-use parquet::file::writer::SerializedFileWriter;
 use sheet::Specification;
 
 use super::CaptureFile;
@@ -114,23 +112,55 @@ impl<'spec> Journal<'spec> {
     /// Writes the table of these files in their order, and only then removes the journal; gives the number of rows with an
     /// error.
     pub(super) fn into_table(mut self, files: &[CaptureFile]) -> anyhow::Result<usize> {
+        let path = self.table.clone();
+        let failed = |error| ArchiveError::File { path: path.clone(), error: std::io::Error::other(error) };
+        let wrong = write_whole(&path, Replace::Nothing, |place| self.write_rows(place, files).map_err(failed))?;
+        std::fs::remove_file(&self.place).with_context(|| format!("{} cannot be removed", self.place.display()))?;
+        Ok(wrong)
+    }
+
+    /// Writes the rows of these files; the units of the columns go into the table's key-value metadata.
+    fn write_rows(&mut self, place: BufWriter<File>, files: &[CaptureFile]) -> anyhow::Result<usize> {
         let columns = Row::columns(self.specification);
         let axis = common_axis(files.iter().filter_map(|file| self.lines[file].1)).ok();
-        let mut write_rows = |place| -> anyhow::Result<usize> {
-            let mut wrong = 0;
-            let mut table = begin_table(place, &columns, self.specification, axis)?;
-            for files in files.chunks(ROWS_AT_ONCE) {
-                let rows = files.iter().map(|file| read_back(&mut self.file, self.lines[file].0, columns.len()));
-                let rows = rows.collect::<anyhow::Result<Vec<_>>>()?;
-                wrong += rows.iter().filter(|cells| cells[ERROR].is_some()).count();
-                add_group(&mut table, &columns, &rows)?;
-            }
-            table.close()?;
-            Ok(wrong)
+        let fields = columns.iter().map(|(name, empty)| {
+            let physical = match empty {
+                Cell::Text(_) => PhysicalType::BYTE_ARRAY,
+                Cell::Count(_) => PhysicalType::INT64,
+                Cell::Real(_) => PhysicalType::DOUBLE,
+            };
+            (name.as_str(), physical)
+        });
+        let unit = |(name, _): &(String, Cell)| {
+            let on = |axis| Row::unit_of(name, self.specification, axis);
+            // A column about captures of both axes has a unit if it is that of either.
+            let unit = match axis {
+                Some(axis) => on(axis),
+                None => on(Axis::Rotary).filter(|unit| on(Axis::Linear).as_ref() == Some(unit)),
+            };
+            Some((format!("unit.{name}"), unit?.into_owned()))
         };
-        let failed = |error| ArchiveError::File { path: self.table.clone(), error: std::io::Error::other(error) };
-        let wrong = write_whole(&self.table, Replace::Nothing, |place| write_rows(place).map_err(failed))?;
-        std::fs::remove_file(&self.place).with_context(|| format!("{} cannot be removed", self.place.display()))?;
+        let metadata = columns.iter().filter_map(unit).chain([software()]);
+        let mut table = begin(place, "captures", fields, Repetition::OPTIONAL, metadata, WriterProperties::builder())?;
+        let mut wrong = 0;
+        for files in files.chunks(ROWS_AT_ONCE) {
+            let rows = files.iter().map(|file| read_back(&mut self.file, self.lines[file].0, columns.len()));
+            let rows = rows.collect::<anyhow::Result<Vec<_>>>()?;
+            wrong += rows.iter().filter(|cells| cells[ERROR].is_some()).count();
+            let mut group = table.next_row_group()?;
+            for (place, (_, empty)) in columns.iter().enumerate() {
+                let cells = rows.iter().map(|row| row[place].as_deref());
+                match empty {
+                    Cell::Text(_) => {
+                        write_column::<ByteArrayType, _>(&mut group, cells.map(|text| text.map(ByteArray::from)))?;
+                    }
+                    Cell::Count(_) => write_column::<Int64Type, _>(&mut group, cells.map(|text| text?.parse().ok()))?,
+                    Cell::Real(_) => write_column::<DoubleType, _>(&mut group, cells.map(|text| text?.parse().ok()))?,
+                }
+            }
+            group.close()?;
+        }
+        table.close()?;
         Ok(wrong)
     }
 }
@@ -154,51 +184,4 @@ fn read_back(journal: &mut File, start: u64, cells: usize) -> anyhow::Result<Vec
     BufReader::new(journal).read_until(b'\n', &mut line)?;
     let (.., cells) = parsed(&line, cells).context("the journal was changed in the meantime; make the table again")?;
     Ok(cells)
-}
-
-/// Begins the table; the units of its columns go into its key-value metadata.
-fn begin_table(
-    place: BufWriter<File>,
-    columns: &[(String, Cell)],
-    specification: Option<&Specification>,
-    axis: Option<Axis>,
-) -> Result<SerializedFileWriter<BufWriter<File>>, ParquetError> {
-    let fields = columns.iter().map(|(name, empty)| (name.as_str(), physical(empty)));
-    let unit = |(name, _): &(String, Cell)| {
-        let on = |axis| Row::unit_of(name, specification, axis);
-        // A column about captures of both axes has a unit if it is that of either.
-        let unit = match axis {
-            Some(axis) => on(axis),
-            None => on(Axis::Rotary).filter(|unit| on(Axis::Linear).as_ref() == Some(unit)),
-        };
-        Some((format!("unit.{name}"), unit?.into_owned()))
-    };
-    let metadata = columns.iter().filter_map(unit).chain([software()]);
-    begin(place, "captures", fields, Repetition::OPTIONAL, metadata, WriterProperties::builder())
-}
-
-/// Adds a group of rows, each with a cell for every column.
-fn add_group(
-    table: &mut SerializedFileWriter<BufWriter<File>>,
-    columns: &[(String, Cell)],
-    rows: &[Vec<Option<String>>],
-) -> Result<(), ParquetError> {
-    let mut group = table.next_row_group()?;
-    for (place, (_, empty)) in columns.iter().enumerate() {
-        let cells = rows.iter().map(|row| row[place].as_deref());
-        match empty {
-            Cell::Text(_) => write_column::<ByteArrayType, _>(&mut group, cells.map(|text| text.map(ByteArray::from)))?,
-            Cell::Count(_) => write_column::<Int64Type, _>(&mut group, cells.map(|text| text?.parse().ok()))?,
-            Cell::Real(_) => write_column::<DoubleType, _>(&mut group, cells.map(|text| text?.parse().ok()))?,
-        }
-    }
-    group.close().map(drop)
-}
-
-fn physical(empty: &Cell) -> PhysicalType {
-    match empty {
-        Cell::Text(_) => PhysicalType::BYTE_ARRAY,
-        Cell::Count(_) => PhysicalType::INT64,
-        Cell::Real(_) => PhysicalType::DOUBLE,
-    }
 }

@@ -8,17 +8,15 @@ mod journal;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::sync_channel;
-use std::time::UNIX_EPOCH;
 
-use analysis::{Row, load_specification};
+use analysis::{Row, ends_in, load_specification};
 use anyhow::{Context as _, ensure};
 use clap::Args;
-use indicatif::ProgressBar;
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use sheet::Specification;
 
+use crate::list::written_ns;
 use crate::outcome::{remark, say};
 use crate::terminal;
 use journal::Journal;
@@ -42,7 +40,6 @@ pub struct TableOptions {
 /// Endings of the files that are taken for captures.
 const ENDINGS: [&str; 3] = ["mcap", "csv", "mf4"];
 
-/// Makes the table; a capture that cannot be read or fitted is a row.
 pub fn run(options: &TableOptions) -> anyhow::Result<()> {
     let mut files = Vec::new();
     options.folders.iter().try_for_each(|folder| add(folder, &mut files))?;
@@ -57,39 +54,28 @@ pub fn run(options: &TableOptions) -> anyhow::Result<()> {
     if made > 0 {
         remark(format!("{made} of {} captures are in {} already", files.len(), journal.place.display()));
     }
+    let jobs = options.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get);
+    let pool = ThreadPoolBuilder::new().num_threads(jobs).build()?;
     let bar = terminal::bar(Some(files.len() as u64), "{bar:24} {pos}/{len} captures, {per_sec}, {eta} left");
     bar.set_position(made as u64);
-    let jobs = options.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get);
-    let added = add_rows(&left, specification.as_ref(), jobs, &mut journal, &bar);
-    bar.finish_and_clear();
-    added?;
-    let wrong = journal.into_table(&files)?;
-    say(format!("{}: {} captures, {wrong} of them with an error", options.out.display(), files.len()));
-    Ok(())
-}
-
-/// Fits the captures on so many threads and keeps each row as it comes.
-fn add_rows(
-    left: &[&CaptureFile],
-    specification: Option<&Specification>,
-    jobs: usize,
-    journal: &mut Journal<'_>,
-    bar: &ProgressBar,
-) -> anyhow::Result<()> {
-    let pool = ThreadPoolBuilder::new().num_threads(jobs).build()?;
     // A thread waits while the journal is slower than it, and ends once the journal takes no more.
     let (sender, receiver) = sync_channel(jobs);
-    pool.in_place_scope(|scope| {
-        scope.spawn(move |_| {
-            let rows = left.par_iter().map(|file| (*file, Row::of(&file.path, specification)));
+    let added = pool.in_place_scope(|scope| {
+        scope.spawn(|_| {
+            let rows = left.par_iter().map(|file| (*file, Row::of(&file.path, specification.as_ref())));
             drop(rows.try_for_each_with(sender, |sender, row| sender.send(row)));
         });
         receiver.into_iter().try_for_each(|(file, row)| {
             journal.add(file, &row)?;
             bar.inc(1);
-            Ok(())
+            anyhow::Ok(())
         })
-    })
+    });
+    bar.finish_and_clear();
+    added?;
+    let wrong = journal.into_table(&files)?;
+    say(format!("{}: {} captures, {wrong} of them with an error", options.out.display(), files.len()));
+    Ok(())
 }
 
 /// A capture's file as it was listed; one that has changed since counts as another file.
@@ -109,12 +95,9 @@ fn add(folder: &Path, files: &mut Vec<CaptureFile>) -> anyhow::Result<()> {
         // A link may lead back to a folder that contains it, so links to folders are not followed.
         if entry.file_type().with_context(unreadable)?.is_dir() {
             add(&path, files)?;
-        } else if path.extension().is_some_and(|found| ENDINGS.iter().any(|ending| found.eq_ignore_ascii_case(ending)))
-        {
-            let metadata = path.metadata().ok();
-            let written = metadata.as_ref().and_then(|file| file.modified().ok()?.duration_since(UNIX_EPOCH).ok());
-            let written_ns = written.map_or(0, |time| time.as_nanos() as u64);
-            files.push(CaptureFile { path, bytes: metadata.map_or(0, |file| file.len()), written_ns });
+        } else if ENDINGS.iter().any(|ending| ends_in(&path, ending)) {
+            let (bytes, written_ns) = (path.metadata().map_or(0, |file| file.len()), written_ns(&path) as u64);
+            files.push(CaptureFile { path, bytes, written_ns });
         }
     }
     Ok(())
