@@ -35,8 +35,16 @@ const NEARLY_ALL: f64 = 0.9;
 /// How far the floor may lie below its estimate, as a share of it.
 pub(crate) const LOWER_FLOOR: f64 = 0.8;
 
-/// Whether one more effect explains enough, and with enough certainty; `first` is the model without further effects.
+/// Whether one more effect explains enough, and with enough certainty, to be added; `first` is the model without further effects.
 pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldout: &Capture) -> bool {
+    // The likelihood takes all of the residual for noise; where much of it is not, the held-out stretches must speak for the effect.
+    let predicts = after.heldout_over_floor() < MOSTLY_NOISE || after.heldout_p_value(before) < CHANCE;
+    predicts && is_needed(before, after, first, heldout)
+}
+
+/// Whether an effect that was added is still worth its name beside those that were added after it: it then explains enough of both captures
+/// together, though the later ones may take much of what it predicts.
+pub(crate) fn is_needed(before: &Judged, after: &Judged, first: &Judged, heldout: &Capture) -> bool {
     let floor = after.heldout_floor_mnm;
     let [_, closed] = gap_and_closed(before, after);
     let is_steady = after.steadily_better_than(before) > STEADY;
@@ -44,10 +52,9 @@ pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldou
     // not against it.
     let unseen = heldout.weight * (before.heldout_rms_mnm / after.heldout_rms_mnm).ln() * after.kept_share(before);
     // A few stretches prove nothing if a simulated body can stick, since anything may decide whether it breaks away at one moment. Nor do
-    // they if much of the residual is not noise, since the likelihood takes all of it for noise.
+    // they if much of the residual is not noise.
     let may_be_seldom =
         !(before.structure.is_coupled() && before.structure.sticks()) && after.heldout_over_floor() < MOSTLY_NOISE;
-    let predicts = after.heldout_over_floor() < MOSTLY_NOISE || after.heldout_p_value(before) < CHANCE;
     let takes_enough = explains_enough(before, after) && closed > SMALLEST * floor * floor;
     // Near the floor, the floor's uncertainty exceeds the gap, but the gain of a first effect in stretch after stretch does not depend on the floor.
     // A later effect could imitate what the first one leaves, and an effect that is fitted to each capture predicts nothing.
@@ -58,8 +65,7 @@ pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldou
         && brings_evidence(before, after)
         && closed > 0.0
         && predicts_better(before, after);
-    predicts
-        && (takes_enough && (is_steady || may_be_seldom && unseen > EVIDENCE) || speaks_for_itself && is_steady)
+    (takes_enough && (is_steady || may_be_seldom && unseen > EVIDENCE) || speaks_for_itself && is_steady)
         && (closed > UNEXPLAINED * UNEXPLAINED * first.excess_above_lower_floor(after)
             || before.most_over_floor() > MOSTLY_NOISE
                 && explains_nearly_all(before, after)
