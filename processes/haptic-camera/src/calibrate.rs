@@ -15,8 +15,8 @@ use rt_loop::request::{Pace, RunRequest};
 use shared_types::RunDescription;
 
 use crate::command_line::RigOptions;
+use crate::command_line::outputs::{show_on, write};
 use crate::outcome::{Outcome, say};
-use crate::outputs::{show_on, write};
 use crate::supervision::Interrupt;
 use crate::terminal::{self, digits, number};
 use crate::{load, rig_run};

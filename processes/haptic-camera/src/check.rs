@@ -8,9 +8,9 @@ use comfy_table::Table;
 use dynamics::Axis;
 
 use crate::command_line::ColumnOptions;
+use crate::command_line::outputs::write_json;
 use crate::load;
 use crate::outcome::show;
-use crate::outputs::write_json;
 use crate::terminal::{self, digits, interval, number};
 
 #[derive(Debug, Args)]

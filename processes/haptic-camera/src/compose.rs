@@ -8,8 +8,8 @@ use clap::Args;
 use comfy_table::Table;
 use dynamics::{Composition, Model, ModelError, Parts, Role, Source, composition_notes};
 
+use crate::command_line::outputs::{kind, write};
 use crate::outcome::{UsageError, remark, say};
-use crate::outputs::{kind, write};
 use crate::terminal::table;
 
 #[derive(Debug, Args)]

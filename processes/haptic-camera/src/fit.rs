@@ -15,9 +15,9 @@ use report::{AveragePage, true_value};
 use simulator_formats::IntoMjcfError;
 
 use crate::command_line::ColumnOptions;
+use crate::command_line::outputs::{ResultFiles, kind, show_on, write, write_if_asked};
 use crate::load;
 use crate::outcome::{say, with_options};
-use crate::outputs::{ResultFiles, kind, show_on, write, write_if_asked};
 use crate::terminal::{by_reason, digits, interval, table};
 
 #[derive(Debug, Args)]

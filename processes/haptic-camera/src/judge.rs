@@ -9,8 +9,8 @@ use report::JudgedUnit;
 use sheet::{Sheet, Verdict};
 
 use crate::command_line::ColumnOptions;
+use crate::command_line::outputs::ResultFiles;
 use crate::outcome::{Outcome, show};
-use crate::outputs::ResultFiles;
 
 #[derive(Debug, Args)]
 pub struct JudgeOptions {

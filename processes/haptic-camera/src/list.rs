@@ -16,8 +16,8 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use shared_types::RunDescription;
 
+use crate::command_line::outputs::write_json;
 use crate::outcome::show;
-use crate::outputs::write_json;
 use crate::terminal;
 
 #[derive(Debug, Args)]

@@ -22,7 +22,6 @@ mod load;
 mod manual;
 mod offline_run;
 mod outcome;
-mod outputs;
 mod parquet_file;
 mod recompute;
 mod recover;

@@ -7,8 +7,8 @@ use clap::CommandFactory as _;
 use clap_complete::Shell;
 
 use crate::command_line::Command;
+use crate::command_line::outputs::{kind, write};
 use crate::outcome::say;
-use crate::outputs::{kind, write};
 
 pub fn completions(shell: Shell) -> anyhow::Result<()> {
     let mut command = Command::command();

@@ -10,8 +10,8 @@ use rt_loop::recomputation::{Recomputation, RecordedTick};
 use serde::Serialize;
 use shared_types::{LoopState, ModelChange, RunDescription, Sample};
 
+use crate::command_line::outputs::{show_on, write_json};
 use crate::outcome::{Outcome, remark};
-use crate::outputs::{show_on, write_json};
 
 #[derive(Debug, Args)]
 pub struct RecomputeOptions {

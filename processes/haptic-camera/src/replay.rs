@@ -8,8 +8,8 @@ use dynamics::Axis;
 use rt_loop::request::{HandRequest, LONGEST_DURATION_S, Pace, RenderingRequest, RigRequest, RunRequest};
 
 use crate::command_line::RunOptions;
+use crate::command_line::outputs::ResultFiles;
 use crate::outcome::{Outcome, say};
-use crate::outputs::ResultFiles;
 use crate::supervision::{Interrupt, RunEnd, Shown, SupervisedRun, claim_archive};
 use crate::verify;
 

@@ -13,8 +13,8 @@ use report::{ChannelDifference, ChannelLag};
 use rt_loop::request::{Pace, RunRequest};
 
 use crate::command_line::RigOptions;
+use crate::command_line::outputs::ResultFiles;
 use crate::outcome::{Outcome, say};
-use crate::outputs::ResultFiles;
 use crate::supervision::Interrupt;
 use crate::terminal::table;
 use crate::{load, rig_run};

@@ -7,9 +7,9 @@ use archive::whole_file;
 use clap::Args;
 
 use crate::command_line::ColumnOptions;
+use crate::command_line::outputs::kind;
 use crate::load;
 use crate::outcome::say;
-use crate::outputs::kind;
 
 #[derive(Debug, Args)]
 pub struct SimulateOptions {

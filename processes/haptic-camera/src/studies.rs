@@ -10,8 +10,8 @@ use dynamics::Axis;
 use sheet::{Capability, Design, Gauge, Index, Specification};
 
 use crate::command_line::ColumnOptions;
+use crate::command_line::outputs::{kind, write_if_asked, write_json};
 use crate::outcome::{show, with_options};
-use crate::outputs::{kind, write_if_asked, write_json};
 use crate::terminal;
 
 #[derive(Debug, Args)]

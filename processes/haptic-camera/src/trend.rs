@@ -12,7 +12,7 @@ use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use report::{Trend, TrendGroup, TrendParameter, TrendPoint};
 
-use crate::outputs::ResultFiles;
+use crate::command_line::outputs::ResultFiles;
 
 #[derive(Debug, Args)]
 pub struct TrendOptions {

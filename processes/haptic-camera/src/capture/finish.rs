@@ -8,8 +8,8 @@ use identification::live::Convergence;
 use identification::{Fit, PreparationMethod};
 use loaded_capture::LoadedCapture;
 
+use crate::command_line::outputs::{ResultFiles, kind, show_on, write};
 use crate::outcome::{Outcome, remark, say};
-use crate::outputs::{ResultFiles, kind, show_on, write};
 use crate::supervision::RunEnd;
 use crate::until_ci::{StopRule, open, share_words};
 use crate::{fit, load};

@@ -11,9 +11,9 @@ use clap::Args;
 use rt_loop::request::RunRequest;
 
 use crate::command_line::RunOptions;
+use crate::command_line::outputs::ResultFiles;
 use crate::export::positive;
 use crate::outcome::Outcome;
-use crate::outputs::ResultFiles;
 use crate::supervision::{Interrupt, Shown, SupervisedRun, claim_archive};
 use crate::until_ci::Share;
 pub(crate) use next::Budget;

@@ -11,8 +11,8 @@ use sheet::{Sheet, Verdict};
 
 use super::next::next;
 use super::{CaptureOptions, finish, supervised};
+use crate::command_line::outputs::{ResultFiles, kind, show_on, write};
 use crate::outcome::{Outcome, remark, say, show};
-use crate::outputs::{ResultFiles, kind, show_on, write};
 use crate::supervision::{Interrupt, LoopSaidWhy, claim_archive};
 use crate::{diagnose, judge};
 

@@ -6,9 +6,9 @@ use analysis::ends_in;
 use archive::whole_file::Replace;
 
 use super::Command;
+use super::outputs::{Files, is_same, kind};
 use crate::calibrate::CalibrateOptions;
 use crate::export::ExportOptions;
-use crate::outputs::{Files, is_same, kind};
 use crate::rigs::RigCommand;
 use crate::simulate::SimulateOptions;
 use crate::studies::StudyOptions;

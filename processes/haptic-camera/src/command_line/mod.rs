@@ -1,6 +1,7 @@
-//! The command line: the commands, whose options stand with what they do, and options that several take.
+//! The command line: the commands, whose options stand with what they do, options that several take, and the files that commands write.
 
 mod files;
+pub mod outputs;
 
 use std::path::PathBuf;
 

@@ -9,8 +9,8 @@ use clap::Args;
 use dynamics::knobs;
 
 use crate::command_line::ColumnOptions;
+use crate::command_line::outputs::ResultFiles;
 use crate::load;
-use crate::outputs::ResultFiles;
 
 #[derive(Debug, Args)]
 pub struct CompareOptions {

@@ -14,7 +14,7 @@ use report::DiagnosisPage;
 use serde_json::json;
 
 use crate::command_line::ColumnOptions;
-use crate::outputs::{ResultFiles, kind, show_on, write_if_asked};
+use crate::command_line::outputs::{ResultFiles, kind, show_on, write_if_asked};
 use crate::supervision::bare_program;
 use crate::{load, terminal};
 

@@ -18,9 +18,9 @@ use parquet::file::properties::WriterProperties;
 use simulator_formats::{TableSpan, TabulationError, TorqueOverAngle};
 
 use crate::command_line::ColumnOptions;
+use crate::command_line::outputs::{kind, write};
 use crate::load;
 use crate::outcome::{UsageError, say, with_options};
-use crate::outputs::{kind, write};
 use crate::parquet_file::{begin, software, write_column};
 
 #[derive(Debug, Args)]

@@ -8,9 +8,9 @@ use serde_json::json;
 use simulator_formats::{Export, SmartKnobExport, fmi, isaac_lab, left_out_mnm};
 
 use super::ExportOptions;
+use crate::command_line::outputs::{kind, write, write_json};
 use crate::load;
 use crate::outcome::UsageError;
-use crate::outputs::{kind, write, write_json};
 use crate::supervision::program_path;
 
 /// The library of the crate `knob-fmu`, which is built beside the programs.

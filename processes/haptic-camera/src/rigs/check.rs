@@ -8,8 +8,8 @@ use dynamics::Axis;
 use hal::RigFile;
 
 use super::RigFileOptions;
+use crate::command_line::outputs::write_json;
 use crate::outcome::{Outcome, remark, show};
-use crate::outputs::write_json;
 use crate::supervision::Interrupt;
 use crate::terminal::table;
 use crate::{load, rig_run};

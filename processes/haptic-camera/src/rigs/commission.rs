@@ -20,9 +20,9 @@ use shared_types::{Fault, RunDescription};
 use toml_edit::{DocumentMut, Item, Value};
 
 use super::RigFileOptions;
+use crate::command_line::outputs::{is_same, write};
 use crate::export::positive;
 use crate::outcome::{Outcome, remark, say};
-use crate::outputs::{is_same, write};
 use crate::supervision::{EndedInFault, Interrupt};
 use crate::terminal::digits;
 use crate::{load, rig_run};

@@ -13,8 +13,8 @@ use rt_loop::request::{Pace, RigRequest, RunRequest};
 
 use self::check::RigCheckOptions;
 use self::commission::RigCommissionOptions;
+use crate::command_line::outputs::{kind, write};
 use crate::outcome::{Outcome, say};
-use crate::outputs::{kind, write};
 use crate::rig_run;
 use crate::supervision::{Interrupt, program};
 

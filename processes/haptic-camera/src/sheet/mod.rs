@@ -11,8 +11,8 @@ use dynamics::Axis;
 use sheet::{Detent, Figure, Sheet};
 
 use crate::command_line::ColumnOptions;
+use crate::command_line::outputs::{ResultFiles, kind, write, write_if_asked};
 use crate::load;
-use crate::outputs::{ResultFiles, kind, write, write_if_asked};
 use crate::terminal::{by_reason, digits, interval, table};
 
 #[derive(Debug, Args)]
