@@ -8,7 +8,7 @@ use realfft::num_complex::Complex;
 
 use super::{WORTHWHILE_AMPLITUDE, WORTHWHILE_SHARE};
 use crate::numerics::fourier;
-use crate::regression::gram;
+use crate::regression::gram::{self, COLLINEAR};
 use crate::sinusoids::reduction::Reduction;
 use crate::sinusoids::{FEWEST_PERIODS, OVERSAMPLING, noise_variance, threshold, vertex};
 
@@ -122,7 +122,8 @@ impl AngleBins {
         if last <= first + 2 * OVERSAMPLING {
             return None;
         }
-        let inverse = ridge_inverse(&self.gram.view((1, 1), (columns, columns)).into_owned());
+        let all: Vec<usize> = (0..columns).collect();
+        let inverse = gram::solve(&self.gram, &all, COLLINEAR)?.inverse();
         let mut spectra = self.spectra(length, 2 * last + 1);
         let (weights, mut residual) = (spectra.remove(0), spectra.remove(0));
         for (column, coefficient) in spectra.iter().zip(coefficients) {
@@ -165,17 +166,4 @@ impl AngleBins {
         };
         (0..=self.gram.nrows()).map(spectrum).collect()
     }
-}
-
-/// Inverse of a Gram matrix, zero for empty columns.
-fn ridge_inverse(gram: &DMatrix<f64>) -> DMatrix<f64> {
-    let count = gram.nrows();
-    let scale = |index: usize| gram[(index, index)].sqrt().max(f64::MIN_POSITIVE.sqrt());
-    let scaled = DMatrix::from_fn(count, count, |row, column| {
-        gram[(row, column)] / (scale(row) * scale(column)) + if row == column { 1e-9 } else { 0.0 }
-    });
-    scaled.try_inverse().map_or_else(
-        || DMatrix::zeros(count, count),
-        |inverse| DMatrix::from_fn(count, count, |row, column| inverse[(row, column)] / (scale(row) * scale(column))),
-    )
 }
