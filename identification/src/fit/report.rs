@@ -80,10 +80,11 @@ impl<'a> Report<'a> {
         let rows = self.sliding_rows();
         let points = self.points(&rows, &prediction_sd(columns, &self.robust.matrix), covariance.critical);
         let textbook_sd = prediction_sd(columns, &self.textbook);
+        let notes = [negative_friction(&parameters), one_sided_friction_of(&parameters), self.misfit.note.clone()];
         Fit {
             mean_ci95_textbook_mnm: NORMAL_95 * mean(rows.iter().map(|row| textbook_sd[*row])),
             torque_delay_s: self.trimmed.delay_s,
-            notes: self.notes(&parameters),
+            notes: notes.into_iter().flatten().collect(),
             parameters,
             covariance,
             effects,
@@ -106,14 +107,6 @@ impl<'a> Report<'a> {
             critical: student_95(degrees_of_freedom),
             degrees_of_freedom,
         }
-    }
-
-    /// Further notes for the reader.
-    fn notes(&self, parameters: &Parameters) -> Vec<String> {
-        let mut notes: Vec<String> = negative_friction(parameters).into_iter().collect();
-        notes.extend(one_sided_friction_of(parameters));
-        notes.extend(self.misfit.note.clone());
-        notes
     }
 
     /// The parameters of an effect.

@@ -12,7 +12,7 @@ use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::free_values::{FreeValue, free_values};
 use crate::diagnosis::model_fit::residuals::{TOGETHER, residual, residuals};
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::numerics::vector::{self, dot};
+use crate::numerics::vector::{self, square};
 use crate::preparation::clock::whole;
 use crate::preparation::row_filter::{row_low_pass, row_step};
 use crate::regression::refiner::{self, Ended};
@@ -68,7 +68,7 @@ impl Tangents {
     /// Updates the derivatives from the residuals before and after a step (C. G. Broyden, *A class of methods for solving nonlinear simultaneous
     /// equations*, Math. Comp. 19 (1965) 577–593): a step costs one simulation, new derivatives cost one for each value.
     fn update(&mut self, step: &[f64], before: &[f64], after: &[f64]) {
-        let length = dot(step, step);
+        let length = square(step);
         if length > 0.0 {
             let mut missed: Vec<f64> = before.iter().zip(after).map(|(before, after)| before - after).collect();
             for (tangent, step) in self.rows.iter().zip(step) {
@@ -114,13 +114,12 @@ impl<'a> Nonlinear<'a> {
     }
 
     pub(crate) fn squares(&self) -> f64 {
-        dot(&self.residual, &self.residual)
+        square(&self.residual)
     }
 
     /// Sum of squares of the residual below a share of the band's edge.
     pub(crate) fn slow_squares(&self, share: f64) -> f64 {
-        let slow = narrowed(&self.residual, share, self.capture);
-        dot(&slow, &slow)
+        square(&narrowed(&self.residual, share, self.capture))
     }
 
     /// Whether so much is left that slow motion may be simulated coarsely to find what is missing.
@@ -176,7 +175,7 @@ impl<'a> Nonlinear<'a> {
         let mut left = narrowed(&self.residual, share, self.capture);
         let mut tangents = Tangents::default();
         let mut attempts = 0..attempts;
-        refiner::refine(rounds, settled, dot(&left, &left), |mut before| {
+        refiner::refine(rounds, settled, square(&left), |mut before| {
             loop {
                 attempts.next().ok_or(Ended::OutOfSteps)?;
                 if tangents.are_stale() {
@@ -217,7 +216,7 @@ impl<'a> Nonlinear<'a> {
             let structure = self.moved(step.as_slice());
             let residual = residuals(&[&structure], self.capture, self.resolution(share)).remove(0);
             let trial = narrowed(&residual, share, self.capture);
-            let after = dot(&trial, &trial);
+            let after = square(&trial);
             if after < before {
                 tangents.update(step.as_slice(), left, &trial);
                 (self.structure, self.residual, *left) = (structure, residual, trial);

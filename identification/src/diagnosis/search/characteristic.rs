@@ -32,7 +32,7 @@ const TURNS: f64 = 1.1;
 
 /// All splines that a capture could show.
 fn all_splines(capture: &Capture) -> Vec<Spline> {
-    let scene = capture.scene();
+    let scene = &capture.scene;
     let turns = scene.is_rotary && scene.travel_rad() > TURNS * TAU;
     let over_angle = [effects::angle_characteristic::KIND.name, effects::friction_characteristic::KIND.name];
     let mut all = Vec::new();
@@ -81,7 +81,7 @@ impl Search<'_> {
 
     /// The fit with a torque that bends slowly along the angle.
     pub(crate) fn bent(&self, current: &Judged) -> Option<Judged> {
-        let scene = self.train.scene();
+        let scene = &self.train.scene;
         let [.., finest] = POINTS;
         let range = [scene.lowest_rad, scene.highest_rad];
         let spline = Spline::new(&effects::angle_characteristic::KIND, range, finest, None)?;

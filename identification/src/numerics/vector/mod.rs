@@ -53,6 +53,11 @@ pub(crate) fn dot(left: &[f64], right: &[f64]) -> f64 {
     widest!(dot_inline(left, right))
 }
 
+/// Sum of a column's squares.
+pub(crate) fn square(column: &[f64]) -> f64 {
+    dot(column, column)
+}
+
 #[inline(always)]
 fn dot_inline(left: &[f64], right: &[f64]) -> f64 {
     let length = left.len().min(right.len());

@@ -9,9 +9,8 @@ use super::starts;
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::bound::on_bound;
 use crate::diagnosis::model_fit::nonlinear::Nonlinear;
-use crate::diagnosis::model_fit::sticking;
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::diagnosis::model_fit::twist;
+use crate::diagnosis::model_fit::{sticking, twist};
 use crate::diagnosis::search::acceptance::{CLOSED, OPEN, WORTHWHILE};
 use crate::diagnosis::search::judged::Judged;
 

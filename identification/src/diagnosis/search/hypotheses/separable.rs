@@ -83,7 +83,7 @@ pub(crate) fn fitted<'a>(
 fn one_sided<'a>(both: Separable<'a>, base: &Separable<'a>) -> Separable<'a> {
     let index = base.structure.effects.len();
     let (stops, columns) = (both.structure.effects[index], both.structure.columns[index]);
-    let sides = end_stop::one_sided(&stops, base.capture.scene()).map(|stop| {
+    let sides = end_stop::one_sided(&stops, &base.capture.scene).map(|stop| {
         let mut fit = base.with(stop, columns);
         fit.refine_newest(ROUNDS);
         fit
