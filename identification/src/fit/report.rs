@@ -400,9 +400,6 @@ pub(super) fn constant_torque(curves: &[MeasuredCurve], parameters: &Parameters)
 
 /// Standard deviation of the predicted torque, row by row.
 pub(crate) fn prediction_sd<C: Deref<Target = [f64]>>(columns: &[C], covariance: &DMatrix<f64>) -> Vec<f64> {
-    let rows = columns.first().map_or(0, |column| column.len());
-    let mut deviation = vec![0.0; rows];
-    vector::quadratic_form(columns, covariance, &mut deviation);
-    deviation.iter_mut().for_each(|variance| *variance = variance.max(0.0).sqrt());
-    deviation
+    let variances = vector::quadratic_form(columns, covariance).into_iter();
+    variances.map(|variance| variance.max(0.0).sqrt()).collect()
 }

@@ -5,7 +5,6 @@
 //! at once the search stops in the first of many valleys.
 
 use dynamics::Resolution;
-use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::diagnosis::capture::Capture;
@@ -57,14 +56,6 @@ struct Tangents {
 }
 
 impl Tangents {
-    fn are_stale(&self) -> bool {
-        self.rows.is_empty() || self.updates > UPDATES
-    }
-
-    fn normal_equations(&self, left: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
-        (vector::gram(&self.rows), vector::products_with(&self.rows, left))
-    }
-
     /// Updates the derivatives from the residuals before and after a step (C. G. Broyden, *A class of methods for solving nonlinear simultaneous
     /// equations*, Math. Comp. 19 (1965) 577–593): a step costs one simulation, new derivatives cost one for each value.
     fn update(&mut self, step: &[f64], before: &[f64], after: &[f64]) {
@@ -137,14 +128,16 @@ impl<'a> Nonlinear<'a> {
         self.residual = residual(&self.structure, self.capture);
     }
 
-    /// Fits all values in the whole band.
-    pub(crate) fn refine(&mut self) {
+    /// The fit with all values fitted in the whole band.
+    pub(crate) fn refined(mut self) -> Self {
         self.refine_in(1.0, ROUNDS);
+        self
     }
 
-    /// Fits all values in the whole band by a few steps only.
-    pub(crate) fn refine_shortly(&mut self) {
+    /// The same by a few steps only.
+    pub(crate) fn refined_shortly(mut self) -> Self {
         self.refine_in(1.0, FIRST_ROUNDS);
+        self
     }
 
     /// Whether the last effect's values agree with those of another fit of the same structure.
@@ -178,7 +171,7 @@ impl<'a> Nonlinear<'a> {
         refiner::refine(rounds, settled, square(&left), |mut before| {
             loop {
                 attempts.next().ok_or(Ended::OutOfSteps)?;
-                if tangents.are_stale() {
+                if tangents.rows.is_empty() || tangents.updates > UPDATES {
                     tangents = Tangents { rows: self.tangents(share), updates: 0 };
                 }
                 let are_fresh = tangents.updates == 0;
@@ -203,7 +196,7 @@ impl<'a> Nonlinear<'a> {
         tangents: &mut Tangents,
         damping: &mut f64,
     ) -> Result<f64, Ended> {
-        let (gram, right) = tangents.normal_equations(left);
+        let (gram, right) = (vector::gram(&tangents.rows), vector::products_with(&tangents.rows, left));
         let trials = if tangents.updates > 0 { 1 } else { TRIALS };
         // The added `least` keeps a value without effect in this capture from moving.
         let least = f64::EPSILON * gram.diagonal().max();

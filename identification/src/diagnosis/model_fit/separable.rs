@@ -250,17 +250,19 @@ impl<'a> Separable<'a> {
         above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * step)).collect()
     }
 
-    /// Improves the searched parameters and the skew by at most `rounds` Gauss–Newton steps.
-    pub(crate) fn refine(&mut self, rounds: usize) {
+    /// The fit with searched parameters and skew improved by at most `rounds` Gauss–Newton steps.
+    pub(crate) fn refined(mut self, rounds: usize) -> Self {
         self.refine_by(&self.searched(), rounds);
+        self
     }
 
     /// The same by the last effect's parameters and the skew alone.
-    pub(crate) fn refine_newest(&mut self, rounds: usize) {
+    pub(crate) fn newest_refined(mut self, rounds: usize) -> Self {
         let newest = self.structure.effects.len().saturating_sub(1);
         let mut searched = self.searched();
         searched.retain(|which| *which == Searched::Skew || which.is_of(newest));
         self.refine_by(&searched, rounds);
+        self
     }
 
     /// Takes Gauss–Newton steps of some searched parameters; the coefficients are solved for anew in each.
@@ -367,8 +369,7 @@ mod tests {
             panic!("the capture can be prepared")
         };
         let none = [Effect::new(&effects::inertia::KIND, &[1.0]), Effect::new(&effects::sensor_delay::KIND, &[0.0])];
-        let mut fit = Separable::new(Structure::new(&none), &capture);
-        fit.refine(6);
+        let fit = Separable::new(Structure::new(&none), &capture).refined(6);
         let found_s = fit.structure.delay_s();
         assert!((found_s - DELAY_S).abs() < 1e-4, "found {found_s} s for {DELAY_S} s");
         assert!((fit.structure.inertia() - INERTIA).abs() < 1e-2);

@@ -57,9 +57,7 @@ pub(crate) fn structure(base: &Structure, capture: &Capture) -> Option<(Structur
 /// The fit of a structure without coupling from where it stands, unequal detents included.
 pub(crate) fn settled(structure: Structure, capture: &Capture) -> Separable<'_> {
     let structure = fitted_anew(&structure, capture, |lobes| lobes).unwrap_or(structure);
-    let mut fit = Separable::new(structure, capture);
-    fit.refine(ROUNDS);
-    fit
+    Separable::new(structure, capture).refined(ROUNDS)
 }
 
 /// The structure fitted with a height and a place for each lobe, so that peaks and troughs differ; `None` without such detents.

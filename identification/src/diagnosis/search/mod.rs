@@ -99,8 +99,7 @@ impl<'a> Search<'a> {
         if !structure.is_coupled() {
             return Judged::separable(&unequal::settled(structure, self.train), self.heldout);
         }
-        let mut fit = Nonlinear::new(twist::settled(structure, self.train), self.train);
-        fit.refine();
+        let fit = Nonlinear::new(twist::settled(structure, self.train), self.train).refined();
         Judged::nonlinear(&fit, self.train, self.heldout)
     }
 
