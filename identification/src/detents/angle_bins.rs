@@ -60,7 +60,6 @@ impl AngleBins {
         (self.first as f64 + 0.5 * self.sums.len() as f64) * self.bin_rad
     }
 
-    /// Adds a sample.
     pub(crate) fn add(&mut self, angle_rad: f64, row: &[f64]) {
         let columns = DVectorView::from_slice(row, row.len());
         self.gram.ger(1.0, &columns, &columns, 1.0);

@@ -101,7 +101,6 @@ fn rest_angle(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<[Shift; 2]
     }))
 }
 
-/// The omitted effects.
 fn groups(trimmed: &Trimmed<'_>) -> Vec<Group> {
     let mut groups = Vec::new();
     // A torque measured over the angle already contains these effects.

@@ -109,7 +109,6 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// The parameters of an effect.
     fn parameters(&self, index: usize, effect: &Effect) -> Vec<Told> {
         let Self { robust, misfit, .. } = self;
         let Some(regressors) = effect.kind().regressors else { return Vec::new() };

@@ -33,7 +33,6 @@ pub(crate) struct Sensors<'a> {
     angle_rad: &'a [f64],
     /// Acceleration with the sensor's lag undone, rad/s².
     prompt_rad_s2: Vec<f64>,
-    /// Second derivative of the angle, rad/s².
     second_derivative_rad_s2: Vec<f64>,
     /// Whether a grid point was measured.
     present: &'a [bool],

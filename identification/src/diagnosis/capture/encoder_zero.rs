@@ -18,7 +18,6 @@ use crate::preparation::motion::KnobMotion;
 
 /// Angles between two zeros that are tried per radian of the finest torque's phase.
 const PER_PHASE: f64 = 3.0;
-/// Most angles that are tried.
 const MOST_TRIED: usize = 4_000;
 /// Number of rows at which the angles are compared; the comparison takes at most twice as many.
 const ROWS: usize = 2_000;

@@ -289,7 +289,6 @@ impl Capture {
         self.row_filter.rows_of(structure.widths()[effect], structure.columns_of(effect, self))
     }
 
-    /// Number of rows.
     pub(crate) fn row_count(&self) -> usize {
         self.motion.len().div_ceil(self.row_filter.step)
     }

@@ -100,7 +100,6 @@ impl<'a> Separable<'a> {
         LeastSquares::held(&columns, target, &nonnegative, holds).coefficients.split_off(own.len())
     }
 
-    /// All columns' rows.
     pub(crate) fn columns(&self) -> Vec<&[f64]> {
         self.kept.rows.iter().flatten().map(Vec::as_slice).collect()
     }

@@ -36,7 +36,6 @@ pub(crate) struct Judged {
 }
 
 impl Judged {
-    /// Judges a separable fit.
     pub(crate) fn separable(fit: &Separable<'_>, heldout: &Capture) -> Self {
         Self::of(fit.structure.clone(), fit.residual.clone(), fit.capture, heldout)
     }

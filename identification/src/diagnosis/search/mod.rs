@@ -33,7 +33,6 @@ use crate::numerics::statistics::false_discovery_rate;
 use crate::numerics::vector::dot;
 use crate::{FitError, Samples};
 
-/// Most effects that are added.
 pub(crate) const MOST_EFFECTS: usize = 4;
 /// Effects beside which all others are fitted anew before one is chosen.
 const PROMISING: usize = 4;
