@@ -3,9 +3,8 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
 
-use crate::numerics::fourier;
 use crate::numerics::statistics::{mean, median, running, without_line};
-use crate::numerics::vector;
+use crate::numerics::{fourier, vector};
 
 /// Longest window of the spectrum, samples: it must tell a motion of 1 Hz from none at 20 kHz.
 const LONGEST_WINDOW: usize = 1 << 15;
