@@ -124,13 +124,6 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Adds effect after effect as long as one is worth it.
-    pub(crate) fn explain(&self, base: Judged) -> Found {
-        let mut found = Found::from(base);
-        self.extend_and_revise(&mut found);
-        found
-    }
-
     /// Returns a better explanation if there is one: found from another first effect, without unequal detents, or with peaks and
     /// troughs that differ; otherwise `found`.
     pub(crate) fn reconsidered(&self, mut found: Found) -> Found {
@@ -198,7 +191,8 @@ impl<'a> Search<'a> {
         (best.named().evidence > last.evidence + TIE).then_some(best)
     }
 
-    fn extend_and_revise(&self, found: &mut Found) {
+    /// Adds effect after effect as long as one is worth it.
+    pub(crate) fn extend_and_revise(&self, found: &mut Found) {
         for _ in 0..MOST_EFFECTS {
             self.extend(found);
             if !self.replace_one(found) && !self.find_detents_again(found) {
