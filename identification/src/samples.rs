@@ -28,7 +28,6 @@ pub(crate) struct PickedSamples {
 }
 
 impl PickedSamples {
-    /// The samples at these indices.
     pub(crate) fn of(samples: &Samples<'_>, indices: &[usize]) -> Self {
         Self::mapped(samples, |column| indices.iter().map(|index| column[*index]).collect())
     }

@@ -17,6 +17,12 @@ pub struct Estimate {
     pub unit: &'static str,
 }
 
+impl Estimate {
+    pub(super) fn new(quantity: &'static str, (value, half_width): (f64, f64), unit: &'static str) -> Self {
+        Self { quantity, value, half_width, unit }
+    }
+}
+
 /// One calibrated harmonic of the motor's cogging.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct CoggingEstimate {

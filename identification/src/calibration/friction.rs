@@ -19,7 +19,7 @@ pub fn gripper(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     let axis = known.axis;
     let options = FitOptions { axis, calibration: Some(calibration), without_detents: true, ..FitOptions::default() };
     let fitted = fit(samples, &options)?;
-    let (value, half_width) = identified(&fitted, "gripper", "inertia")?;
+    let inertia = Estimate::new("gripper_inertia", identified(&fitted, "gripper", "inertia")?, "mNm s²/rad");
     let friction_mnm = ["coulomb_negative", "coulomb_positive"]
         .iter()
         .filter_map(|name| fitted.parameters.get(name)?.value)
@@ -30,7 +30,6 @@ pub fn gripper(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
             "something rubs with {friction_mnm:.2} mNm: is the knob off the gripper? Its inertia would be counted as the gripper's"
         ));
     }
-    let inertia = Estimate { quantity: "gripper_inertia", value, half_width, unit: "mNm s²/rad" };
     Ok(Calibrated { estimates: vec![inertia], notes, ..Calibrated::default() })
 }
 
@@ -55,23 +54,22 @@ pub fn friction(
     let fitted = fit(&motor, &FitOptions { axis: known.axis, without_detents: true, ..FitOptions::default() })?;
     let estimated = |quantity: &'static str| identified(&fitted, "motor", quantity);
     let mean = |[first, second]: [(f64, f64); 2]| (0.5 * (first.0 + second.0), 0.5 * first.1.hypot(second.1));
-    let (inertia, inertia_half) = estimated("inertia")?;
+    let inertia = estimated("inertia")?;
     let coulomb = [estimated("coulomb_negative")?, estimated("coulomb_positive")?];
-    let (coulomb_mnm, coulomb_half) = mean(coulomb);
+    let coulomb_mnm = mean(coulomb);
     let (viscous, viscous_half) = mean([estimated("viscous_negative")?, estimated("viscous_positive")?]);
     let mut notes = Vec::new();
     let apart_mnm = (coulomb[0].0 - coulomb[1].0).abs();
-    if apart_mnm > 0.1 * coulomb_mnm {
+    if apart_mnm > 0.1 * coulomb_mnm.0 {
         notes.push(format!(
             "the motor rubs by {apart_mnm:.2} mNm more in one direction than in the other; the mean is kept, the rest will be felt"
         ));
     }
-    let estimate = |quantity, value: f64, half_width, unit| Estimate { quantity, value, half_width, unit };
     Ok(Calibrated {
         estimates: vec![
-            estimate("motor_inertia", inertia, inertia_half, "mNm s²/rad"),
-            estimate("motor_coulomb_mnm", coulomb_mnm, coulomb_half, "mNm"),
-            estimate("motor_viscous", viscous.max(0.0), viscous_half, "mNm s/rad"),
+            Estimate::new("motor_inertia", inertia, "mNm s²/rad"),
+            Estimate::new("motor_coulomb_mnm", coulomb_mnm, "mNm"),
+            Estimate::new("motor_viscous", (viscous.max(0.0), viscous_half), "mNm s/rad"),
         ],
         notes,
         ..Calibrated::default()

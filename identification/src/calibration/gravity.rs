@@ -59,11 +59,8 @@ pub fn gravity(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     }
     let [zero, sine, cosine] = [0, 1, 2].map(|index| solved.coefficients[index]);
     let amplitude = sine.hypot(cosine);
-    let estimate = |quantity, value, unit, derivatives: [f64; 3]| Estimate {
-        quantity,
-        value,
-        half_width: solved.half_width(&derivatives),
-        unit,
+    let estimate = |quantity, value, unit, derivatives: [f64; 3]| {
+        Estimate::new(quantity, (value, solved.half_width(&derivatives)), unit)
     };
     let square = amplitude * amplitude;
     Ok(Calibrated {

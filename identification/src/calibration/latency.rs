@@ -66,8 +66,7 @@ pub fn latency(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
             refusal.get_or_insert(error);
             continue;
         }
-        let (value, half_width) = delay(&solved);
-        calibrated.estimates.push(Estimate { quantity, value, half_width, unit: "s" });
+        calibrated.estimates.push(Estimate::new(quantity, delay(&solved), "s"));
     }
     match refusal {
         Some(error) if calibrated.estimates.is_empty() => Err(error),

@@ -34,18 +34,16 @@ pub fn zero(samples: &crate::Samples<'_>, known: &Calibration) -> Result<Calibra
         return Err(CalibrateError::NotAtRest { travel_rad });
     }
     let mut calibrated = Calibrated::default();
-    let (value, half_width) = mean_at_rest(samples.torque_mnm, known.torque_step_mnm);
-    calibrated.estimates.push(Estimate { quantity: "torque_zero_mnm", value, half_width, unit: "mNm" });
+    let mean_mnm = mean_at_rest(samples.torque_mnm, known.torque_step_mnm);
+    calibrated.estimates.push(Estimate::new("torque_zero_mnm", mean_mnm, "mNm"));
     if let Some(acceleration) = samples.acceleration_rad_s2 {
         let own: Vec<f64> = acceleration
             .iter()
             .zip(samples.angle_rad)
             .map(|(seen, angle)| seen - known.gravity_rad_s2(*angle))
             .collect();
-        let (value, half_width) = mean_at_rest(&own, known.acceleration_step_rad_s2);
-        calibrated
-            .estimates
-            .push(Estimate { quantity: "acceleration_zero_rad_s2", value, half_width, unit: "rad/s²" });
+        let mean_rad_s2 = mean_at_rest(&own, known.acceleration_step_rad_s2);
+        calibrated.estimates.push(Estimate::new("acceleration_zero_rad_s2", mean_rad_s2, "rad/s²"));
         calibrated.notes.push(format!(
             "acceleration_zero_rad_s2 is read beside a gravity of {:.1} rad/s²: it is as good as that is known",
             known.gravity_rad_s2(samples.angle_rad[0])

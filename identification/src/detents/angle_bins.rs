@@ -8,7 +8,7 @@ use realfft::num_complex::Complex;
 
 use super::{WORTHWHILE_AMPLITUDE, WORTHWHILE_SHARE};
 use crate::numerics::fourier;
-use crate::regression::gram;
+use crate::regression::gram::{self, COLLINEAR};
 use crate::sinusoids::reduction::Reduction;
 use crate::sinusoids::{FEWEST_PERIODS, OVERSAMPLING, noise_variance, threshold, vertex};
 
@@ -60,7 +60,6 @@ impl AngleBins {
         (self.first as f64 + 0.5 * self.sums.len() as f64) * self.bin_rad
     }
 
-    /// Adds a sample.
     pub(crate) fn add(&mut self, angle_rad: f64, row: &[f64]) {
         let columns = DVectorView::from_slice(row, row.len());
         self.gram.ger(1.0, &columns, &columns, 1.0);
@@ -122,8 +121,8 @@ impl AngleBins {
         if last <= first + 2 * OVERSAMPLING {
             return None;
         }
-        let base = gram::solve(&self.gram, &Vec::from_iter(0..columns), gram::COLLINEAR)?;
-        let inverse = base.inverse();
+        let all: Vec<usize> = (0..columns).collect();
+        let inverse = gram::solve(&self.gram, &all, COLLINEAR)?.inverse();
         let mut spectra = self.spectra(length, 2 * last + 1);
         let (weights, mut residual) = (spectra.remove(0), spectra.remove(0));
         for (column, coefficient) in spectra.iter().zip(coefficients) {

@@ -6,7 +6,7 @@ use dynamics::{Effect, effects};
 
 use crate::estimate::Harmonic;
 use crate::numerics::statistics::rms;
-use crate::numerics::vector::{self, dot};
+use crate::numerics::vector::{self, square};
 use crate::preparation::band::Band;
 use crate::regression::gram::held_out_evidence;
 use crate::regression::least_squares::LeastSquares;
@@ -70,8 +70,8 @@ pub(crate) fn search<'a>(
     band: &Band,
     angle_step_rad: f64,
 ) -> Result<Solved<'a>, String> {
-    let left = dot(&base_solution.residual, &base_solution.residual);
-    if left.sqrt() <= NOTHING_LEFT * dot(&base.target, &base.target).sqrt() {
+    let left = base_solution.squares();
+    if left.sqrt() <= NOTHING_LEFT * square(&base.target).sqrt() {
         return Err("the knob has no detents: inertia and friction explain the whole torque".to_owned());
     }
     let Some(scan) = Scan::new(base, &base_solution.inverse, band, angle_step_rad) else {
@@ -96,7 +96,7 @@ pub(crate) fn search<'a>(
             let mut problem = base.clone();
             problem.add(Effect::new(&effects::detent::KIND, &[0.0, 1.0 / peak.wavenumber, 0.0]));
             let solution = problem.refine(2, limit);
-            (dot(&solution.residual, &solution.residual), problem, solution)
+            (solution.squares(), problem, solution)
         })
         .min_by(|a, b| a.0.total_cmp(&b.0));
     let Some((close, mut problem, solution)) = best else {
@@ -112,7 +112,7 @@ pub(crate) fn search<'a>(
     let period_rad = problem.effects[detent].values()[1];
     let range = problem.range(detent);
     let amplitude_mnm = solution.coefficients[range.start].hypot(solution.coefficients[range.start + 1]);
-    let after = dot(&solution.residual, &solution.residual);
+    let after = solution.squares();
     let share = 1.0 - after / left;
     let detents = &problem.columns[range.clone()];
     // The background is read with the detent taken out; otherwise the detent's side lobes would raise it.
@@ -173,8 +173,8 @@ fn is_bend(base: &Problem<'_>, scan: &Scan, detent: &[Column], wavenumber: f64) 
     let bends = bends(base);
     let residual = |columns: &[&[Column]]| LeastSquares::solve(&columns.concat(), &base.target).residual;
     let (without, with) = (residual(&[&base.columns, &bends]), residual(&[&base.columns, &bends, detent]));
-    let left = dot(&with, &with);
-    let explained = dot(&without, &without) - left;
+    let left = square(&with);
+    let explained = square(&without) - left;
     let null_test = || scan.null_test(&scan.powers(base, &with), wavenumber, 0.0);
     // The null test is at most `left`, so it need not be computed where the detent explains `BESIDE_BENDS` times `left`.
     explained < BESIDE_BENDS * left && explained < BESIDE_BENDS * null_test()
@@ -216,7 +216,7 @@ fn harmonics(
     background: f64,
     evident: impl Fn(u32, f64) -> bool,
 ) -> Vec<Harmonic> {
-    let mut total = dot(&solution.residual, &solution.residual);
+    let mut total = solution.squares();
     let mut found: Vec<(Harmonic, Vec<Column>)> = Vec::new();
     let orders = (2..=HIGHEST_OVERTONE).take_while(|order| period_rad / f64::from(*order) >= shortest_rad);
     for order in orders {
@@ -230,7 +230,7 @@ fn harmonics(
         let rows: Vec<Column> = found.iter().flat_map(|(_, rows)| rows).chain(&own).cloned().collect();
         let (columns, with) = problem.solve_with(&rows);
         let [.., sine, cosine] = with.coefficients[..] else { continue };
-        let left = dot(&with.residual, &with.residual);
+        let left = with.squares();
         let gain = total - left;
         if gain < needed || held_out_evidence(&columns, columns.len() - own.len(), &problem.target) < PREDICTS {
             continue;

@@ -154,7 +154,8 @@ pub fn diagnose(
         let mut search = Search { heldout: &compared, ..search };
         let base = base.judged_by(train_capture, &compared);
         search.check(&base)?;
-        let mut found = search.explain(base);
+        let mut found = Found::from(base);
+        search.extend_and_revise(&mut found);
         let changed = after(&found, comparison);
         let changed_compared;
         if changed != comparison {

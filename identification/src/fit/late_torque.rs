@@ -7,7 +7,7 @@ use super::shift::Shift;
 use super::trimmed::Trimmed;
 use crate::numerics::interpolation::advance;
 use crate::numerics::lag::{lagged, prompt};
-use crate::numerics::vector::{self, dot};
+use crate::numerics::vector::{self, dot, square};
 use crate::regression::least_squares::{LeastSquares, residual};
 use crate::regression::problem::Problem;
 
@@ -31,8 +31,7 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix
     if trimmed.curves.is_some() || !is_long && lag_rows < LEAST_LAG_ROWS {
         return shifts;
     }
-    let squares = |left: &[f64]| dot(left, left);
-    let fitted = squares(&solution.residual);
+    let fitted = solution.squares();
     let (beside, least) = match &trimmed.delay {
         Some(delay) => {
             let omitted = Omitted { column: delay.column.clone(), is_beyond_friction: false };
@@ -40,10 +39,10 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix
             let Some(beside) = beside else { return shifts };
             let delayed = |delay_s: f64| row_filter.rows(&advance(torque_mnm, delay_s * rate_hz));
             let (shift, left, _) = aligned(trimmed, robust, delay_s, Some(&beside), delayed);
-            if is_long && squares(&left) < fitted {
+            if is_long && square(&left) < fitted {
                 shifts.push(shift);
             }
-            (Some(beside), squares(&left))
+            (Some(beside), square(&left))
         }
         None => (None, fitted),
     };
@@ -52,7 +51,7 @@ pub(super) fn shifts(trimmed: &Trimmed<'_>, torque_mnm: &[f64], robust: &DMatrix
         let (shift, left, lag_s) = aligned(trimmed, robust, delay_s, beside.as_ref(), ahead);
         // The slope adds noise. Behind the lag the residual is as noisy as that of the received torque, so that the sums of squares compare.
         let left = lagged(&left, lag_s * rate_hz / row_filter.step as f64);
-        if squares(&left) < least * (1.0 + WORSE_BY / left.len() as f64) {
+        if square(&left) < least * (1.0 + WORSE_BY / left.len() as f64) {
             shifts.push(shift);
         }
     }
@@ -77,7 +76,7 @@ fn aligned(
         let left = residual(columns, &aligned, &coefficients);
         steps -= 1;
         match beside {
-            Some(Beside { rest, .. }) if steps > 0 => delay_s += dot(rest, &left) / dot(rest, rest),
+            Some(Beside { rest, .. }) if steps > 0 => delay_s += dot(rest, &left) / square(rest),
             _ => {
                 let of_delay = beside.map(|Beside { rest, change, .. }| {
                     let variance = LeastSquares::solve(&[&**rest], &left).robust_of_points(&[&**rest], 1)[(0, 0)];

@@ -101,7 +101,6 @@ fn rest_angle(trimmed: &Trimmed<'_>, robust: &DMatrix<f64>) -> Option<[Shift; 2]
     }))
 }
 
-/// The omitted effects.
 fn groups(trimmed: &Trimmed<'_>) -> Vec<Group> {
     let mut groups = Vec::new();
     // A torque measured over the angle already contains these effects.
@@ -219,8 +218,7 @@ fn shift(group: &[&Beside], solution: &LeastSquares, robust: &DMatrix<f64>) -> O
     let changes = (!changes.is_empty()).then(|| DMatrix::from_columns(&changes))?;
     let fitted = LeastSquares::solve(&rests, &solution.residual);
     let covariance = robust + &changes * fitted.robust_of_points(&rests, rests.len()) * changes.transpose();
-    let squares = |solution: &LeastSquares| dot(&solution.residual, &solution.residual);
-    let share = 1.0 - squares(&fitted) / squares(solution).max(f64::MIN_POSITIVE);
+    let share = 1.0 - fitted.squares() / solution.squares().max(f64::MIN_POSITIVE);
     let change = changes * DVector::from_vec(fitted.coefficients);
     Some((Shift { change, covariance, is_of_better_model: true }, share))
 }

@@ -80,10 +80,11 @@ impl<'a> Report<'a> {
         let rows = self.sliding_rows();
         let points = self.points(&rows, &prediction_sd(columns, &self.robust.matrix), covariance.critical);
         let textbook_sd = prediction_sd(columns, &self.textbook);
+        let notes = [negative_friction(&parameters), one_sided_friction_of(&parameters), self.misfit.note.clone()];
         Fit {
             mean_ci95_textbook_mnm: NORMAL_95 * mean(rows.iter().map(|row| textbook_sd[*row])),
             torque_delay_s: self.trimmed.delay_s,
-            notes: self.notes(&parameters),
+            notes: notes.into_iter().flatten().collect(),
             parameters,
             covariance,
             effects,
@@ -108,15 +109,6 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// Further notes for the reader.
-    fn notes(&self, parameters: &Parameters) -> Vec<String> {
-        let mut notes: Vec<String> = negative_friction(parameters).into_iter().collect();
-        notes.extend(one_sided_friction_of(parameters));
-        notes.extend(self.misfit.note.clone());
-        notes
-    }
-
-    /// The parameters of an effect.
     fn parameters(&self, index: usize, effect: &Effect) -> Vec<Told> {
         let Self { robust, misfit, .. } = self;
         let Some(regressors) = effect.kind().regressors else { return Vec::new() };
@@ -407,9 +399,6 @@ pub(super) fn constant_torque(curves: &[MeasuredCurve], parameters: &Parameters)
 
 /// Standard deviation of the predicted torque, row by row.
 pub(crate) fn prediction_sd<C: Deref<Target = [f64]>>(columns: &[C], covariance: &DMatrix<f64>) -> Vec<f64> {
-    let rows = columns.first().map_or(0, |column| column.len());
-    let mut deviation = vec![0.0; rows];
-    vector::quadratic_form(columns, covariance, &mut deviation);
-    deviation.iter_mut().for_each(|variance| *variance = variance.max(0.0).sqrt());
-    deviation
+    let variances = vector::quadratic_form(columns, covariance).into_iter();
+    variances.map(|variance| variance.max(0.0).sqrt()).collect()
 }

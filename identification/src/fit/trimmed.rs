@@ -2,7 +2,6 @@
 
 use dynamics::{Effect, Part};
 
-use crate::numerics::vector::dot;
 use crate::preparation::band::Band;
 use crate::preparation::row_filter::RowFilter;
 use crate::regression::characteristic::CurveProjection;
@@ -56,7 +55,7 @@ impl<'a> Trimmed<'a> {
         let coefficients = &self.solution.coefficients;
         let problem = Problem::new(other, self.problem.motion, band, torque_mnm, &self.problem.effects);
         let mut columns = problem.columns.clone();
-        columns.extend(problem.searched().iter().map(|which| problem.tangent(*which, coefficients)));
+        columns.extend(problem.tangents(coefficients));
         let mut target = problem.target.to_vec();
         if columns.len() < self.columns.len() {
             let delay = problem.delay_column(coefficients);
@@ -127,22 +126,16 @@ impl<'a> Trimmed<'a> {
     }
 }
 
-/// The derivatives of the model's torque by the searched parameters, in rows.
-fn tangents(problem: &Problem<'_>, solution: &LeastSquares) -> Vec<Column> {
-    problem.searched().iter().map(|which| problem.tangent(*which, &solution.coefficients)).collect()
-}
-
 /// Fits a small delay of the torque channel, if the data show one, together with everything else.
 pub(super) fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed<'a> {
-    let tangents_alone = tangents(&problem, solution);
+    let tangents_alone = problem.tangents(&solution.coefficients);
     let mut with_delay = tangents_alone.clone();
     with_delay.push(problem.delay_column(&solution.coefficients));
     let (columns, extended) = problem.solve_with(&with_delay);
     let delay_index = columns.len() - 1;
     let delay_s = extended.coefficients[delay_index];
-    let left = |solution: &LeastSquares| dot(&solution.residual, &solution.residual);
     let significant = delay_s.abs() > DELAY_SIGNIFICANCE * extended.robust_deviation(&columns, delay_index)
-        && left(&extended) < (1.0 - 1e-6) * left(solution);
+        && extended.squares() < (1.0 - 1e-6) * solution.squares();
     let small = delay_s.abs() <= LARGEST_DELAY_SAMPLES / problem.row_filter.rate_hz;
     if significant && small {
         // The delay shifts the searched parameters too: the column takes it out, then they settle again.
@@ -151,7 +144,7 @@ pub(super) fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed
         problem.target =
             problem.target.iter().zip(&*delay_rows).map(|(torque, value)| torque - delay_s * value).collect();
         let settled = problem.refine(4, |_, value| 0.01 * value.abs());
-        let mut further = tangents(&problem, &settled);
+        let mut further = problem.tangents(&settled.coefficients);
         further.push(delay_rows);
         return Trimmed { delay_s, ..Trimmed::with(problem, &further) };
     }
@@ -161,6 +154,6 @@ pub(super) fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed
 
 /// The problem as it is, without a delay.
 pub(super) fn untrimmed(problem: Problem<'_>) -> Trimmed<'_> {
-    let tangents = tangents(&problem, &problem.solve());
+    let tangents = problem.tangents(&problem.solve().coefficients);
     Trimmed::with(problem, &tangents)
 }

@@ -44,6 +44,7 @@ const LONGER: f64 = 2.0;
 const ROUNDING_RAD: f64 = 1e-9;
 
 /// Readings at the ends of a capture's rests.
+#[derive(Default)]
 pub(crate) struct Stick {
     /// Torques at breakaway in the negative direction, magnitudes, mNm.
     negative_mnm: Readings,
@@ -75,13 +76,7 @@ impl Stick {
             rate_hz,
         };
         let tolerance_rad = SPAN * slide.noise_rad + ROUNDING_RAD;
-        let mut stick = Self {
-            negative_mnm: Readings::default(),
-            positive_mnm: Readings::default(),
-            arrivals_rad_s: Readings::default(),
-            resolved_rad_s: AT_REST * motion.velocity_noise_rad_s,
-            rests: 0,
-        };
+        let mut stick = Self { resolved_rad_s: AT_REST * motion.velocity_noise_rad_s, ..Self::default() };
         // The encoder sits on the other side of the torque sensor's spring. The torque from which the twist follows is blurred
         // over one delay and one sample, in which a braked knob loses speed.
         let blur_s = (1.0 + uniform.received_torque().1.abs()) / rate_hz;

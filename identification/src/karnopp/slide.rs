@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use dynamics::{Direction, Effect, Motion, Part};
 
-use crate::numerics::statistics;
+use crate::regression::least_squares::LeastSquares;
 
 /// How far into a rest its end is looked for, in windows.
 const DEEPEST: usize = 4;
@@ -111,22 +111,15 @@ impl Slide<'_> {
         let displacement = self.displacement(instant, &window, side, direction);
         let left: Vec<f64> =
             window.clone().zip(&displacement).map(|(index, moved)| self.angle_rad[index] - moved).collect();
-        let mean = statistics::mean(&left);
-        let total: f64 = left.iter().map(|value| (value - mean).powi(2)).sum();
-        let mut border = Border { instant, direction, speed_rad_s: 0.0, rest_rad: mean, acceleration_rad_s2: 0.0 };
-        if side == Side::After {
-            return (total, border);
+        let since = |index: usize| (index as f64 - instant).min(0.0) / self.rate_hz;
+        let mut columns = vec![vec![1.0; left.len()]];
+        if side == Side::Before {
+            columns.push(window.map(since).collect());
         }
-        let since: Vec<f64> = window.map(|index| (index as f64 - instant).min(0.0) / self.rate_hz).collect();
-        let since_mean = statistics::mean(&since);
-        let square: f64 = since.iter().map(|value| (value - since_mean).powi(2)).sum();
-        let product: f64 = since.iter().zip(&left).map(|(time, value)| (time - since_mean) * (value - mean)).sum();
-        if square > 0.0 {
-            let slope = product / square;
-            border.speed_rad_s = slope * direction.sign();
-            border.rest_rad = mean - slope * since_mean;
-        }
-        (total - if square > 0.0 { product * product / square } else { 0.0 }, border)
+        let fitted = LeastSquares::solve(&columns, &left);
+        let speed_rad_s = fitted.coefficients.get(1).map_or(0.0, |slope| slope * direction.sign());
+        let rest_rad = fitted.coefficients[0];
+        (fitted.squares(), Border { instant, direction, speed_rad_s, rest_rad, acceleration_rad_s2: 0.0 })
     }
 
     /// Distance from rest at every sample of the window for a knob that slides from `instant` on or until then, at rest there.

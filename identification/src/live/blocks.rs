@@ -60,7 +60,6 @@ impl Blocks {
         self.width() - 1
     }
 
-    /// Adds a row.
     pub(super) fn add(&mut self, row: &[f64]) {
         if self.in_last == self.length {
             if self.blocks.len() == MOST_BLOCKS {

@@ -58,7 +58,7 @@ impl Band {
         // An accelerometer sees motion that the encoder does not, above all contact, whose spectrum looks like noise.
         let (clear_hz, angle_density) = match uniform.acceleration_rad_s2 {
             Some(_) => (f64::INFINITY, white_density(&uniform.angle_rad, rate_hz)),
-            None => (clear_hz.max(sweep_hz), angle_density),
+            None => (clear_hz, angle_density),
         };
         let duration_s = uniform.torque_mnm.len() as f64 / rate_hz;
         let enough_hz = FEWEST_ROWS / (ROWS_PER_EDGE * duration_s);
@@ -72,9 +72,8 @@ impl Band {
 
     /// The band as far as the encoder alone shows the acceleration.
     pub(crate) fn of_encoder(&self, uniform: &Uniform) -> Self {
-        let AngleSpectrum { sweep_hz, clear_hz, noise_density: angle_density } =
+        let AngleSpectrum { clear_hz, noise_density: angle_density, .. } =
             AngleSpectrum::of(&uniform.angle_rad, uniform.rate_hz);
-        let clear_hz = clear_hz.max(sweep_hz);
         Self { edge_hz: self.edge_hz.min(clear_hz), clear_hz, angle_density, ..*self }
     }
 

@@ -94,13 +94,10 @@ pub(crate) fn central_differences(uniform: &Uniform) -> Prepared<'static> {
 
 /// Plain central differences, per second; the ends repeat their neighbours.
 fn differences(signal: &[f64], rate_hz: f64) -> Vec<f64> {
-    let inner = signal.windows(3).map(|window| 0.5 * rate_hz * (window[2] - window[0]));
-    let mut rate: Vec<f64> = std::iter::once(0.0).chain(inner).chain([0.0]).collect();
-    rate.resize(signal.len(), 0.0);
-    if let [first, second, .., last_but_one, last] = rate.as_mut_slice() {
-        (*first, *last) = (*second, *last_but_one);
-    }
-    rate
+    let last = signal.len().saturating_sub(1);
+    let around = |at: usize| at.min(last.saturating_sub(1)).max(1);
+    let rate = |at: usize| 0.5 * rate_hz * (signal[(around(at) + 1).min(last)] - signal[around(at) - 1]);
+    (0..signal.len()).map(rate).collect()
 }
 
 /// The impulse response of the low-pass run both ways, as a filter of finite length.

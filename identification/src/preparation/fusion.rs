@@ -13,10 +13,10 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 
 use crate::numerics::derivative::gradient;
 use crate::numerics::lag::prompt;
-use crate::numerics::statistics::{mean, rms};
 use crate::preparation::filter::{Sections, low_pass};
 use crate::preparation::row_filter::blank_runs;
 use crate::preparation::spectrum::{Spectrum, white_density};
+use crate::regression::least_squares::LeastSquares;
 
 /// Largest disagreement of both sensors, relative, where both see well.
 const DISAGREEMENT: f64 = 0.1;
@@ -33,7 +33,6 @@ pub(crate) struct Sensors<'a> {
     angle_rad: &'a [f64],
     /// Acceleration with the sensor's lag undone, rad/s².
     prompt_rad_s2: Vec<f64>,
-    /// Second derivative of the angle, rad/s².
     second_derivative_rad_s2: Vec<f64>,
     /// Whether a grid point was measured.
     present: &'a [bool],
@@ -108,13 +107,8 @@ impl<'a> Sensors<'a> {
     fn agree(&self) -> bool {
         let slow = |signal: &[f64]| low_pass(4, self.equal_hz, self.rate_hz, signal);
         let (encoder, sensor) = (slow(&self.second_derivative_rad_s2), slow(&self.prompt_rad_s2));
-        let (encoder_mean, sensor_mean) = (mean(&encoder), mean(&sensor));
-        let (mut product, mut square) = (0.0, 0.0);
-        for (a, b) in encoder.iter().zip(&sensor) {
-            product += (a - encoder_mean) * (b - sensor_mean);
-            square += (a - encoder_mean).powi(2);
-        }
-        rms(&encoder) > 0.0 && (product / square - 1.0).abs() <= DISAGREEMENT
+        let gain = LeastSquares::solve(&[vec![1.0; encoder.len()], encoder], &sensor).coefficients[1];
+        (gain - 1.0).abs() <= DISAGREEMENT
     }
 }
 

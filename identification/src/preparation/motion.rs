@@ -192,7 +192,6 @@ impl KnobMotion {
         if self.exact { torque_mnm.into() } else { self.smoother(rate_hz).filter(torque_mnm).into() }
     }
 
-    /// The motion at a grid point.
     pub(crate) fn at(&self, index: usize) -> Motion {
         Motion {
             time_s: self.time_s[index],

@@ -3,9 +3,8 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
 
-use crate::numerics::fourier;
 use crate::numerics::statistics::{mean, median, running, without_line};
-use crate::numerics::vector;
+use crate::numerics::{fourier, vector};
 
 /// Longest window of the spectrum, samples: it must tell a motion of 1 Hz from none at 20 kHz.
 const LONGEST_WINDOW: usize = 1 << 15;
@@ -115,7 +114,7 @@ pub(crate) fn white_density(signal: &[f64], rate_hz: f64) -> f64 {
 pub(crate) struct AngleSpectrum {
     /// Frequency below which nearly all of the velocity's power lies, Hz.
     pub(crate) sweep_hz: f64,
-    /// Edge of the widest band in which the acceleration is signal, Hz.
+    /// Edge of the widest band in which the acceleration is signal, Hz; at least the sweep's.
     pub(crate) clear_hz: f64,
     /// Density of the encoder's noise up to that edge, rad²/Hz.
     pub(crate) noise_density: f64,
@@ -143,7 +142,8 @@ impl AngleSpectrum {
         };
         let (clear, noise_density) = *noise.iter().find(is_clear).unwrap_or(&noise[noise.len() - 1]);
         let sweep = velocity.iter().position(|sum| *sum >= SWEEP_POWER * velocity[clear]).unwrap_or(clear);
-        Self { sweep_hz: frequencies[sweep.max(1)], clear_hz: frequencies[clear], noise_density }
+        let sweep_hz = frequencies[sweep.max(1)];
+        Self { sweep_hz, clear_hz: frequencies[clear].max(sweep_hz), noise_density }
     }
 }
 

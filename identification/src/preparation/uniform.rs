@@ -11,7 +11,7 @@ use super::spectrum::Spectrum;
 use super::wrapped::unwrapped;
 use crate::numerics::interpolation::advance;
 use crate::numerics::lag::lagged;
-use crate::numerics::statistics::mean;
+use crate::numerics::statistics::{mean, rms};
 use crate::samples::{PickedSamples, Samples};
 
 /// Longest stretch that a gap takes up on the grid, s; the filters forget faster.
@@ -70,17 +70,16 @@ impl Uniform {
         if is_regular {
             return Self::of_columns(samples, typical, vec![true; count], <[f64]>::to_vec);
         }
-        let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let gaps = steps.iter().filter(|step| **step > GAP * typical).count();
-        let regular: Vec<f64> = steps.iter().copied().filter(|step| *step <= GAP * typical).collect();
+        let steps = time.windows(2).map(|pair| pair[1] - pair[0]);
+        let (gaps, regular): (Vec<f64>, Vec<f64>) = steps.partition(|step| *step > GAP * typical);
         let step = rounded(mean(&regular));
-        let scatter =
-            (regular.iter().map(|s| (s / step - 1.0).powi(2)).sum::<f64>() / regular.len().max(1) as f64).sqrt();
-        if gaps == 0 && scatter < JITTER {
+        let scatter = rms(&regular.iter().map(|regular| regular / step - 1.0).collect::<Vec<f64>>());
+        if gaps.is_empty() && scatter < JITTER {
             return Self::of_columns(samples, step, vec![true; count], <[f64]>::to_vec);
         }
         // Long gaps are shortened on the grid, so that a pause does not fill memory.
-        let longest_s = LONGEST_GAP_S.min((count as f64 + GAP_POINTS) / gaps.max(1) as f64 * step).max(GAP * step);
+        let longest_s =
+            LONGEST_GAP_S.min((count as f64 + GAP_POINTS) / gaps.len().max(1) as f64 * step).max(GAP * step);
         let mut compressed = Vec::with_capacity(count);
         let mut excess = 0.0;
         compressed.push(0.0);
@@ -105,8 +104,7 @@ impl Uniform {
         let sampled = |column: &[f64]| {
             points.iter().map(|(at, index, _)| between(&compressed, column, *index, *at, step)).collect()
         };
-        let gaps = steps.iter().filter(|passed| **passed > GAP * typical);
-        let missing = gaps.map(|passed| (passed / step).round() as usize - 1).sum();
+        let missing = gaps.iter().map(|passed| (passed / step).round() as usize - 1).sum();
         let uniform = Self::of_columns(samples, step, points.iter().map(|point| point.2).collect(), sampled);
         Self { lost: missing, ..uniform }
     }

@@ -46,7 +46,6 @@ impl BlockSums {
         self.columns.len()
     }
 
-    /// Adds a column.
     pub(crate) fn push(&mut self, column: Vec<f64>) {
         self.columns.push(column);
         let Some(last) = self.columns.last() else { return };
@@ -78,7 +77,6 @@ impl BlockSums {
         Some(self.solve_for(chosen)?.squares(&self.total()).max(0.0))
     }
 
-    /// Sum of squares of the target.
     pub(crate) fn target_squares(&self) -> f64 {
         self.blocks.iter().map(|products| products[(0, 0)]).sum()
     }

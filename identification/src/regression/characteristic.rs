@@ -252,7 +252,7 @@ pub(crate) fn measure(
         let bounds: Vec<bool> =
             nonnegative.iter().copied().chain(std::iter::repeat(false)).take(columns.len()).collect();
         let solution = LeastSquares::corrected(&columns, target, &bounds, &corrections);
-        let left = dot(&solution.residual, &solution.residual);
+        let left = solution.squares();
         let criterion = {
             let (rows, fitted) = (target.len() as f64, solution.fitted() as f64);
             rows * (left / rows).max(f64::MIN_POSITIVE).ln() + fitted * rows.ln()

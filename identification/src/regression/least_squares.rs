@@ -5,7 +5,7 @@ use std::ops::Deref;
 use nalgebra::{DMatrix, DVector};
 
 use super::gram::{COLLINEAR, Correction, Normal};
-use crate::numerics::vector::{self, dot};
+use crate::numerics::vector::{self, dot, square};
 use crate::regression::leverage::Leverage;
 use crate::regression::long_run;
 
@@ -117,11 +117,11 @@ impl LeastSquares {
             let (coefficients, inverse) = (vec![0.0; count], DMatrix::zeros(count, count));
             return Self { coefficients, residual, inverse, collinear: vec![true; count], at_zero: vec![false; count] };
         };
-        let size = dot(target, target).sqrt();
+        let size = square(target).sqrt();
         // Rounds on the residual win back the digits that the Gram matrix costs.
         for round in 1..=ROUNDS {
             let products = vector::residual(columns, &solution.coefficients, target, &mut residual);
-            let settled = (SETTLED * size).max(NEGLIGIBLE * dot(&residual, &residual).sqrt());
+            let settled = (SETTLED * size).max(NEGLIGIBLE * square(&residual).sqrt());
             if round == ROUNDS || solution.improve(&products, settled) {
                 break;
             }
@@ -134,6 +134,11 @@ impl LeastSquares {
             coefficients: solution.coefficients,
             collinear: solution.collinear,
         }
+    }
+
+    /// Sum of squares of the residual.
+    pub(crate) fn squares(&self) -> f64 {
+        square(&self.residual)
     }
 
     /// The columns that were fitted.
@@ -153,7 +158,7 @@ impl LeastSquares {
 
     /// Covariance of the coefficients if the residuals were independent and alike (the textbook's).
     pub(crate) fn textbook_covariance(&self) -> DMatrix<f64> {
-        &self.inverse * (dot(&self.residual, &self.residual) / self.freedom())
+        &self.inverse * (self.squares() / self.freedom())
     }
 
     /// The columns' products with the residual, row by row.

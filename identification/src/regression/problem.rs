@@ -161,8 +161,12 @@ impl<'a> Problem<'a> {
         start..start + width(&self.effects[effect])
     }
 
-    /// Rows of the model torque's derivative by a searched parameter.
-    pub(crate) fn tangent(&self, searched: Searched, coefficients: &[f64]) -> Column {
+    /// The derivatives of the model's torque by the searched parameters, in rows.
+    pub(crate) fn tangents(&self, coefficients: &[f64]) -> Vec<Column> {
+        self.searched().iter().map(|which| self.tangent(*which, coefficients)).collect()
+    }
+
+    fn tangent(&self, searched: Searched, coefficients: &[f64]) -> Column {
         let coefficients = &coefficients[self.range(searched.effect)];
         if let (Some((effect, [sine, cosine])), [of_sine, of_cosine]) = (&self.detent_slopes, coefficients)
             && *effect == searched.effect
@@ -218,8 +222,8 @@ impl<'a> Problem<'a> {
             return (solution, Ended::Settled);
         }
         let rows = self.target.len() as f64;
-        let ended = refiner::refine(rounds, 0.0, dot(&solution.residual, &solution.residual), |before| {
-            let (full, gain) = self.gauss_newton(&searched, &solution).ok_or(Ended::NoStepImproves)?;
+        let ended = refiner::refine(rounds, 0.0, solution.squares(), |before| {
+            let (full, gain) = self.gauss_newton(&solution).ok_or(Ended::NoStepImproves)?;
             let start: Vec<f64> = searched.iter().map(|which| self.value(*which)).collect();
             let steps: Vec<f64> = searched
                 .iter()
@@ -235,7 +239,7 @@ impl<'a> Problem<'a> {
                     self.set(*which, value + share * step);
                 }
                 let trial = self.solve();
-                let after = dot(&trial.residual, &trial.residual);
+                let after = trial.squares();
                 (after < before).then_some((trial, after))
             });
             if better.is_err() {
@@ -250,8 +254,8 @@ impl<'a> Problem<'a> {
 
     /// The Gauss–Newton step of the searched parameters, all coefficients moving along, and what it would take off the
     /// sum of squares.
-    fn gauss_newton(&self, searched: &[Searched], solution: &LeastSquares) -> Option<(DVector<f64>, f64)> {
-        let tangents: Vec<Column> = searched.iter().map(|which| self.tangent(*which, &solution.coefficients)).collect();
+    fn gauss_newton(&self, solution: &LeastSquares) -> Option<(DVector<f64>, f64)> {
+        let tangents = self.tangents(&solution.coefficients);
         let slope = vector::products_with(&tangents, &solution.residual);
         let cross = DMatrix::from_fn(self.columns.len(), tangents.len(), |row, column| {
             dot(&self.columns[row], &tangents[column])

@@ -18,7 +18,6 @@ use crate::preparation::band::Band;
 use crate::preparation::row_filter::RowFilter;
 use crate::regression::problem::Problem;
 
-/// Largest transform.
 const LARGEST_TRANSFORM: usize = 1 << 15;
 /// Angle bins per period of the finest detent: cubic splines between them are then right to 0.3 %.
 const BINS_PER_PERIOD: f64 = 5.2;

@@ -13,12 +13,11 @@ use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::search::hypotheses;
 use crate::diagnosis::search::judged::{Judged, p_value};
 use crate::numerics::statistics::{NORMAL_95, plus_minus};
-use crate::numerics::vector::dot;
+use crate::numerics::vector::square;
 use crate::preparation::motion::KnobMotion;
 
 /// Angles between two zeros that are tried per radian of the finest torque's phase.
 const PER_PHASE: f64 = 3.0;
-/// Most angles that are tried.
 const MOST_TRIED: usize = 4_000;
 /// Number of rows at which the angles are compared; the comparison takes at most twice as many.
 const ROWS: usize = 2_000;
@@ -99,17 +98,13 @@ impl EncoderZero {
     /// The best angle between the zeros near `from_rad`; `None` if it does not significantly reduce the held-out residual.
     fn near(from_rad: f64, step_rad: f64, structure: &Structure, heldout: &Capture) -> Option<Self> {
         let left = |by_rad: f64| residual(structure, &moved(heldout, by_rad));
-        let squares = |by_rad: f64| {
-            let left = left(by_rad);
-            dot(&left, &left)
-        };
-        let (by_rad, curvature) = refined(from_rad, step_rad, squares)?;
+        let (by_rad, curvature) = refined(from_rad, step_rad, |by_rad| square(&left(by_rad)))?;
         let [here, there] = [0.0, by_rad].map(left);
-        let worthwhile = dot(&there, &there) < (1.0 - WORTHWHILE) * dot(&here, &here);
+        let worthwhile = square(&there) < (1.0 - WORTHWHILE) * square(&here);
         if !worthwhile || p_value(&here, &there) > CHANCE {
             return None;
         }
-        let left_mnm = [here, there].map(|left| (dot(&left, &left) / heldout.weight).sqrt());
+        let left_mnm = [here, there].map(|left| (square(&left) / heldout.weight).sqrt());
         Some(Self { by_rad, half_rad: NORMAL_95 * left_mnm[1] / curvature.sqrt(), left_mnm })
     }
 

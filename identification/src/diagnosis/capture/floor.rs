@@ -62,13 +62,8 @@ impl Capture {
     /// between a simulation with as much noise added to the angle and one without.
     fn driven_noise_mnm(&self, structure: &Structure) -> f64 {
         let deviation = (self.motion.angle_density * 0.5 * self.rate_hz).sqrt();
-        let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
-        let white: Vec<f64> = (0..self.motion.len())
-            .map(|_| {
-                let unit: f64 = StandardNormal.sample(&mut random);
-                deviation * unit
-            })
-            .collect();
+        let units = StandardNormal.sample_iter(Xoshiro256PlusPlus::seed_from_u64(1));
+        let white: Vec<f64> = units.take(self.motion.len()).map(|unit: f64| deviation * unit).collect();
         let angle = self.motion.smoother(self.rate_hz).filter(&white);
         let velocity = gradient(&angle, self.rate_hz);
         let noisy: Vec<Motion> = self

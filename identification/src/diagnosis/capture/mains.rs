@@ -86,7 +86,6 @@ impl MainsSpectrum {
         Some(Self { spacing_hz, first, lines, duration_s: count / rate_hz, middle_s })
     }
 
-    /// Frequency of a line, Hz.
     fn hertz(&self, index: usize) -> f64 {
         (self.first + index) as f64 * self.spacing_hz
     }

@@ -80,7 +80,8 @@ pub(crate) struct Capture {
     pub(crate) rate_hz: f64,
     pub(crate) band: Band,
     pub(crate) motion: KnobMotion,
-    motions: Vec<Motion>,
+    /// The motion at every sample.
+    pub(crate) motions: Vec<Motion>,
     pub(crate) row_filter: RowFilter,
     /// Torque filtered as the motion is, mNm, and its first two derivatives by time.
     torque: [Vec<f64>; 3],
@@ -105,7 +106,8 @@ pub(crate) struct Capture {
     pub(crate) undetermined: Vec<Vec<f64>>,
     /// What is wrong with sensors and samples, a sentence each.
     pub(crate) notes: Vec<String>,
-    scene: Scene,
+    /// The scene without a structure.
+    pub(crate) scene: Scene,
 }
 
 impl Capture {
@@ -264,11 +266,6 @@ impl Capture {
         self.rate_hz / self.row_filter.step as f64
     }
 
-    /// The motion at every sample.
-    pub(crate) fn motions(&self) -> &[Motion] {
-        &self.motions
-    }
-
     /// The same torque beside another motion.
     pub(crate) fn with_motion(&self, motion: KnobMotion) -> Self {
         Self { motions: (0..motion.len()).map(|index| motion.at(index)).collect(), motion, ..self.clone() }
@@ -289,10 +286,9 @@ impl Capture {
 
     /// Rows of the columns of a structure's effect.
     pub(crate) fn rows_of(&self, structure: &Structure, effect: usize) -> Vec<Vec<f64>> {
-        structure.rows(effect, &self.motion, &self.row_filter)
+        self.row_filter.rows_of(structure.widths()[effect], structure.columns_of(effect, self))
     }
 
-    /// Number of rows.
     pub(crate) fn row_count(&self) -> usize {
         self.motion.len().div_ceil(self.row_filter.step)
     }

@@ -13,11 +13,6 @@ impl Capture {
         Scene { inertia: structure.inertia(), detent_period_rad: structure.parameter("detent_period"), ..self.scene }
     }
 
-    /// The scene without a structure.
-    pub(crate) fn scene(&self) -> &Scene {
-        &self.scene
-    }
-
     /// The scene from the motion in which the knob slides.
     pub(super) fn measured_scene(&self) -> Scene {
         let mask = &self.row_filter.mask;

@@ -5,7 +5,7 @@ use dynamics::{Part, RangeEnd};
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::residuals::residual;
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::numerics::vector::dot;
+use crate::numerics::vector::square;
 
 /// Distance from the bound at which a value on its bound is tried, as a share of the range or, for ratios, of the value.
 const NEAR: f64 = 0.05;
@@ -35,13 +35,9 @@ pub(crate) fn on_bound(structure: &Structure, capture: &Capture) -> Option<&'sta
         };
         let mut moved = structure.clone();
         moved.effects[index].values_mut()[search.parameter] = value + inward;
-        let here = *squares.get_or_insert_with(|| {
-            let left = residual(structure, capture);
-            dot(&left, &left)
-        });
-        let left = residual(&moved, capture);
+        let here = *squares.get_or_insert_with(|| square(&residual(structure, capture)));
         // Two log-likelihood units.
-        0.5 * capture.weight * (dot(&left, &left) / here).ln() > 2.0
+        0.5 * capture.weight * (square(&residual(&moved, capture)) / here).ln() > 2.0
     });
     at_bound.map(|search| effect.kind().parameters[search.parameter].name)
 }

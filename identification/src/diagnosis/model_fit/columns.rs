@@ -7,24 +7,15 @@ use dynamics::{Bristles, Direction, Effect, Motion, Part, Regressors};
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::preparation::motion::KnobMotion;
-use crate::preparation::row_filter::{self, RowFilter};
+use crate::preparation::row_filter;
 
 /// Writes columns for a range of samples.
 pub(crate) type Columns<'a> = Box<dyn FnMut(Range<usize>, &mut [Vec<f64>]) + 'a>;
 
 impl Structure {
-    /// Rows of the columns of the effect at an index, in a row filter of a motion.
-    pub(crate) fn rows(&self, index: usize, motion: &KnobMotion, row_filter: &RowFilter) -> Vec<Vec<f64>> {
-        row_filter.rows_of(self.widths()[index], self.columns_of(index, motion, row_filter))
-    }
-
     /// The columns of the effect at an index, unfiltered; at samples that are masked they may be zero.
-    pub(crate) fn columns_of<'a>(
-        &'a self,
-        index: usize,
-        motion: &'a KnobMotion,
-        row_filter: &'a RowFilter,
-    ) -> Columns<'a> {
+    pub(crate) fn columns_of<'a>(&'a self, index: usize, capture: &'a Capture) -> Columns<'a> {
+        let Capture { motion, row_filter, .. } = capture;
         let effect = &self.effects[index];
         let width = self.widths()[index];
         match (effect.kind().part, effect.kind().regressors) {
@@ -80,7 +71,7 @@ impl Structure {
     pub(crate) fn columns_at_samples(&self, index: usize, capture: &Capture) -> Vec<Vec<f64>> {
         let samples = capture.motion.len();
         let mut columns = vec![vec![0.0; samples]; self.columns[index]];
-        self.columns_of(index, &capture.motion, &capture.row_filter)(0..samples, &mut columns);
+        self.columns_of(index, capture)(0..samples, &mut columns);
         columns
     }
 

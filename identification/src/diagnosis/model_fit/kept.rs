@@ -67,14 +67,9 @@ impl Kept {
 pub(super) fn changed(before: &Structure, after: &Structure) -> Vec<usize> {
     let bristles = before.bristles() != after.bristles();
     let differs = |index: &usize| {
-        let of_friction = matches!(
-            after.effects[*index].kind().part,
-            Part::Friction(_)
-                | Part::FrictionTable(_)
-                | Part::CoulombFactor(_)
-                | Part::FrictionFactor(_)
-                | Part::Bristles(_)
-        );
+        let part = after.effects[*index].kind().part;
+        let is_friction = matches!(part, Part::Friction(_) | Part::FrictionTable(_) | Part::Bristles(_));
+        let of_friction = is_friction || part.changes_friction();
         before.effects.get(*index) != after.effects.get(*index) || bristles && of_friction
     };
     (0..after.effects.len()).filter(differs).collect()

@@ -5,14 +5,13 @@
 //! at once the search stops in the first of many valleys.
 
 use dynamics::Resolution;
-use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::free_values::{FreeValue, free_values};
 use crate::diagnosis::model_fit::residuals::{TOGETHER, residual, residuals};
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::numerics::vector::{self, dot};
+use crate::numerics::vector::{self, square};
 use crate::preparation::clock::whole;
 use crate::preparation::row_filter::{row_low_pass, row_step};
 use crate::regression::refiner::{self, Ended};
@@ -57,18 +56,10 @@ struct Tangents {
 }
 
 impl Tangents {
-    fn are_stale(&self) -> bool {
-        self.rows.is_empty() || self.updates > UPDATES
-    }
-
-    fn normal_equations(&self, left: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
-        (vector::gram(&self.rows), vector::products_with(&self.rows, left))
-    }
-
     /// Updates the derivatives from the residuals before and after a step (C. G. Broyden, *A class of methods for solving nonlinear simultaneous
     /// equations*, Math. Comp. 19 (1965) 577–593): a step costs one simulation, new derivatives cost one for each value.
     fn update(&mut self, step: &[f64], before: &[f64], after: &[f64]) {
-        let length = dot(step, step);
+        let length = square(step);
         if length > 0.0 {
             let mut missed: Vec<f64> = before.iter().zip(after).map(|(before, after)| before - after).collect();
             for (tangent, step) in self.rows.iter().zip(step) {
@@ -114,13 +105,12 @@ impl<'a> Nonlinear<'a> {
     }
 
     pub(crate) fn squares(&self) -> f64 {
-        dot(&self.residual, &self.residual)
+        square(&self.residual)
     }
 
     /// Sum of squares of the residual below a share of the band's edge.
     pub(crate) fn slow_squares(&self, share: f64) -> f64 {
-        let slow = narrowed(&self.residual, share, self.capture);
-        dot(&slow, &slow)
+        square(&narrowed(&self.residual, share, self.capture))
     }
 
     /// Whether so much is left that slow motion may be simulated coarsely to find what is missing.
@@ -138,14 +128,16 @@ impl<'a> Nonlinear<'a> {
         self.residual = residual(&self.structure, self.capture);
     }
 
-    /// Fits all values in the whole band.
-    pub(crate) fn refine(&mut self) {
+    /// The fit with all values fitted in the whole band.
+    pub(crate) fn refined(mut self) -> Self {
         self.refine_in(1.0, ROUNDS);
+        self
     }
 
-    /// Fits all values in the whole band by a few steps only.
-    pub(crate) fn refine_shortly(&mut self) {
+    /// The same by a few steps only.
+    pub(crate) fn refined_shortly(mut self) -> Self {
         self.refine_in(1.0, FIRST_ROUNDS);
+        self
     }
 
     /// Whether the last effect's values agree with those of another fit of the same structure.
@@ -176,10 +168,10 @@ impl<'a> Nonlinear<'a> {
         let mut left = narrowed(&self.residual, share, self.capture);
         let mut tangents = Tangents::default();
         let mut attempts = 0..attempts;
-        refiner::refine(rounds, settled, dot(&left, &left), |mut before| {
+        refiner::refine(rounds, settled, square(&left), |mut before| {
             loop {
                 attempts.next().ok_or(Ended::OutOfSteps)?;
-                if tangents.are_stale() {
+                if tangents.rows.is_empty() || tangents.updates > UPDATES {
                     tangents = Tangents { rows: self.tangents(share), updates: 0 };
                 }
                 let are_fresh = tangents.updates == 0;
@@ -204,7 +196,7 @@ impl<'a> Nonlinear<'a> {
         tangents: &mut Tangents,
         damping: &mut f64,
     ) -> Result<f64, Ended> {
-        let (gram, right) = tangents.normal_equations(left);
+        let (gram, right) = (vector::gram(&tangents.rows), vector::products_with(&tangents.rows, left));
         let trials = if tangents.updates > 0 { 1 } else { TRIALS };
         // The added `least` keeps a value without effect in this capture from moving.
         let least = f64::EPSILON * gram.diagonal().max();
@@ -217,7 +209,7 @@ impl<'a> Nonlinear<'a> {
             let structure = self.moved(step.as_slice());
             let residual = residuals(&[&structure], self.capture, self.resolution(share)).remove(0);
             let trial = narrowed(&residual, share, self.capture);
-            let after = dot(&trial, &trial);
+            let after = square(&trial);
             if after < before {
                 tangents.update(step.as_slice(), left, &trial);
                 (self.structure, self.residual, *left) = (structure, residual, trial);

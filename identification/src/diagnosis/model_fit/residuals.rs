@@ -27,12 +27,12 @@ pub(crate) fn residuals(structures: &[&Structure], capture: &Capture, resolution
     let models: Vec<Model> = structures.iter().map(|structure| structure.model()).collect();
     let readings_mnm = models.chunks(TOGETHER).flat_map(|models| match models {
         [first, second, third] => {
-            Model::readings_of_mnm([first, second, third], capture.motions(), first_mnm, resolution).to_vec()
+            Model::readings_of_mnm([first, second, third], &capture.motions, first_mnm, resolution).to_vec()
         }
-        [first, second] => Model::readings_of_mnm([first, second], capture.motions(), first_mnm, resolution).to_vec(),
+        [first, second] => Model::readings_of_mnm([first, second], &capture.motions, first_mnm, resolution).to_vec(),
         others => others
             .iter()
-            .flat_map(|model| Model::readings_of_mnm([model], capture.motions(), first_mnm, resolution))
+            .flat_map(|model| Model::readings_of_mnm([model], &capture.motions, first_mnm, resolution))
             .collect(),
     });
     // Structures seldom differ in their delay: the target is computed anew only if they do.

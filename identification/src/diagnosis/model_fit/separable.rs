@@ -8,7 +8,7 @@ use dynamics::{Effect, Part};
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::kept::{Kept, Product, changed};
 use crate::diagnosis::model_fit::structure::{Searched, Structure};
-use crate::numerics::vector::{dot, subtract};
+use crate::numerics::vector::{square, subtract};
 use crate::regression::gram::Correction;
 use crate::regression::least_squares::{LeastSquares, residual};
 use crate::regression::refiner::{self, Ended, longest_improving};
@@ -59,7 +59,7 @@ impl<'a> Separable<'a> {
     }
 
     pub(crate) fn squares(&self) -> f64 {
-        dot(&self.residual, &self.residual)
+        square(&self.residual)
     }
 
     /// The sum of squares less what the sensors' noise alone leaves.
@@ -71,13 +71,12 @@ impl<'a> Separable<'a> {
     /// Sum of squares if the torque channel were late by so much, s.
     pub(crate) fn squares_if_late(&self, delay_s: f64) -> f64 {
         let (columns, target) = (self.columns(), self.capture.target(delay_s));
-        let left = LeastSquares::held(&columns, &target, &self.structure.nonnegative(), &[]).residual;
-        dot(&left, &left)
+        LeastSquares::held(&columns, &target, &self.structure.nonnegative(), &[]).squares()
     }
 
     /// A polynomial of the angle, fitted beside all columns, for a torque that bends slowly along the angle: returns its torque at an angle, mNm.
     pub(crate) fn bend(&self) -> impl Fn(f64) -> f64 + use<> {
-        let scene = self.capture.scene();
+        let scene = &self.capture.scene;
         let middle_rad = 0.5 * (scene.lowest_rad + scene.highest_rad);
         let half_rad = 0.5 * scene.travel_rad().max(f64::MIN_POSITIVE);
         let share = move |angle_rad: f64| (angle_rad - middle_rad) / half_rad;
@@ -101,7 +100,6 @@ impl<'a> Separable<'a> {
         LeastSquares::held(&columns, target, &nonnegative, holds).coefficients.split_off(own.len())
     }
 
-    /// All columns' rows.
     pub(crate) fn columns(&self) -> Vec<&[f64]> {
         self.kept.rows.iter().flatten().map(Vec::as_slice).collect()
     }
@@ -125,7 +123,7 @@ impl<'a> Separable<'a> {
         self.take(self.coefficients.clone());
         refiner::refine(FACTOR_STEPS, FACTORS_SETTLED, self.squares(), |before| {
             let start = self.coefficients.clone();
-            let (columns, target) = self.linearised();
+            let (columns, target) = self.linearised(None);
             let end = LeastSquares::held(&columns, &target, &nonnegative, &[]).coefficients;
             let improved = longest_improving(0.25, |share| {
                 self.take(start.iter().zip(&end).map(|(start, end)| start + share * (end - start)).collect());
@@ -163,7 +161,7 @@ impl<'a> Separable<'a> {
                 subtract(&mut load_mnm, -coefficient, column);
             }
         }
-        let against = load_mnm.iter().zip(capture.motions()).map(|(load, motion)| motion.velocity_sign() * load.abs());
+        let against = load_mnm.iter().zip(&capture.motions).map(|(load, motion)| motion.velocity_sign() * load.abs());
         vec![capture.row_filter.rows(&against.collect::<Vec<_>>())]
     }
 
@@ -179,14 +177,10 @@ impl<'a> Separable<'a> {
         sums
     }
 
-    /// The torque's derivatives by the coefficients, and the target of a linear fit of them. The derivatives leave out the change
-    /// of load-dependent friction with the load's own coefficients, which is small and costly.
-    fn linearised(&self) -> (Vec<Cow<'_, [f64]>>, Cow<'_, [f64]>) {
-        self.linearised_with(None)
-    }
-
-    /// The same with the load's friction, which multiplies the load by this factor at every sample.
-    pub(crate) fn linearised_with(&self, load_factor: Option<&[f64]>) -> (Vec<Cow<'_, [f64]>>, Cow<'_, [f64]>) {
+    /// The torque's derivatives by the coefficients, and the target of a linear fit of them. Without the factor by which friction multiplies
+    /// the load at every sample, the derivatives leave out the change of that friction with the load's own coefficients, which is small and
+    /// costly.
+    pub(crate) fn linearised(&self, load_factor: Option<&[f64]>) -> (Vec<Cow<'_, [f64]>>, Cow<'_, [f64]>) {
         let mut columns: Vec<Cow<'_, [f64]>> = self.columns().into_iter().map(Cow::Borrowed).collect();
         let mut target = Cow::Borrowed(self.target.as_slice());
         let ranges = self.structure.ranges();
@@ -255,35 +249,36 @@ impl<'a> Separable<'a> {
         above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * step)).collect()
     }
 
-    /// Improves the searched parameters and the skew by at most `rounds` Gauss–Newton steps.
-    pub(crate) fn refine(&mut self, rounds: usize) {
+    /// The fit with searched parameters and skew improved by at most `rounds` Gauss–Newton steps.
+    pub(crate) fn refined(mut self, rounds: usize) -> Self {
         self.refine_by(&self.searched(), rounds);
+        self
     }
 
     /// The same by the last effect's parameters and the skew alone.
-    pub(crate) fn refine_newest(&mut self, rounds: usize) {
+    pub(crate) fn newest_refined(mut self, rounds: usize) -> Self {
         let newest = self.structure.effects.len().saturating_sub(1);
         let mut searched = self.searched();
         searched.retain(|which| *which == Searched::Skew || which.is_of(newest));
         self.refine_by(&searched, rounds);
+        self
     }
 
     /// Takes Gauss–Newton steps of some searched parameters; the coefficients are solved for anew in each.
     fn refine_by(&mut self, searched: &[Searched], rounds: usize) {
         refiner::refine(rounds, 0.0, self.squares(), |before| {
             let tangents: Vec<Vec<f64>> = searched.iter().map(|which| self.tangent(*which)).collect();
-            let (columns, target) = self.linearised();
+            let (columns, target) = self.linearised(None);
             let columns: Vec<&[f64]> =
                 columns.iter().map(AsRef::as_ref).chain(tangents.iter().map(Vec::as_slice)).collect();
             let mut nonnegative = self.structure.nonnegative();
             let linear = nonnegative.len();
             nonnegative.resize(columns.len(), false);
-            let LeastSquares { residual: left, coefficients: extended, .. } =
-                LeastSquares::held(&columns, &target, &nonnegative, &[]);
-            if before - dot(&left, &left) <= SETTLED * before {
+            let mut extended = LeastSquares::held(&columns, &target, &nonnegative, &[]);
+            if before - extended.squares() <= SETTLED * before {
                 return Err(Ended::Settled);
             }
-            let step: Vec<f64> = extended[linear..].to_vec();
+            let step = extended.coefficients.split_off(linear);
             let mut improved = self.try_step(searched, &step);
             if improved.is_err() {
                 // A parameter with little effect takes a wild step that spoils the joint one, so each parameter moves alone.
@@ -373,8 +368,7 @@ mod tests {
             panic!("the capture can be prepared")
         };
         let none = [Effect::new(&effects::inertia::KIND, &[1.0]), Effect::new(&effects::sensor_delay::KIND, &[0.0])];
-        let mut fit = Separable::new(Structure::new(&none), &capture);
-        fit.refine(6);
+        let fit = Separable::new(Structure::new(&none), &capture).refined(6);
         let found_s = fit.structure.delay_s();
         assert!((found_s - DELAY_S).abs() < 1e-4, "found {found_s} s for {DELAY_S} s");
         assert!((fit.structure.inertia() - INERTIA).abs() < 1e-2);

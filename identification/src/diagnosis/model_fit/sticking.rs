@@ -36,9 +36,8 @@ pub(crate) fn fitted<'a>(fit: &Nonlinear<'a>, train: &'a Capture) -> Option<Nonl
         return None;
     }
     coarse.refine_slow(fit.leaves_much());
-    coarse.refine();
-    let mut fine = best_of(&FINE_LEVELS.map(|share| coarse.structure.sticking(share * largest_mnm)), train)?;
-    fine.refine();
+    let coarse = coarse.refined();
+    let fine = best_of(&FINE_LEVELS.map(|share| coarse.structure.sticking(share * largest_mnm)), train)?.refined();
     Some(if fine.squares() < coarse.squares() { fine } else { coarse })
 }
 

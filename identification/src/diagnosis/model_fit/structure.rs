@@ -70,7 +70,6 @@ impl Structure {
         more
     }
 
-    /// The structure without the effect at an index.
     pub(crate) fn without(&self, index: usize) -> Self {
         let mut less = self.clone();
         less.effects.remove(index);
@@ -82,7 +81,6 @@ impl Structure {
         self.effects.iter().position(|effect| effect.kind().name == name)
     }
 
-    /// Whether there are detents, equal or not.
     pub(crate) fn has_detents(&self) -> bool {
         [&effects::detent::KIND, &effects::unequal_detents::KIND].iter().any(|kind| self.position(kind.name).is_some())
     }
@@ -117,7 +115,6 @@ impl Structure {
         self.may_be_skewed && !delayed && !capture.motion.exact
     }
 
-    /// The same without a skew.
     pub(crate) fn without_skew(&self) -> Self {
         Self { skew_s: 0.0, may_be_skewed: false, ..self.clone() }
     }
@@ -252,12 +249,10 @@ impl Structure {
         }
     }
 
-    /// Indices of the friction effects.
     pub(crate) fn frictions(&self) -> Vec<usize> {
         self.indices(|part| matches!(part, Part::Friction(_) | Part::FrictionTable(_)))
     }
 
-    /// Indices of the factors on friction.
     pub(crate) fn factors(&self) -> Vec<usize> {
         self.indices(Part::changes_friction)
     }

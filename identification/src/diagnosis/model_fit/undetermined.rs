@@ -10,6 +10,7 @@ use nalgebra::{Cholesky, DMatrix, SymmetricEigen};
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::vector;
+use crate::regression::least_squares::residual;
 
 /// Share of the noise's mean square that the uncertainty of one combination may add to the held-out residual's mean square.
 const OPEN: f64 = 0.1;
@@ -70,12 +71,9 @@ impl Undetermined {
     /// The torques of the combinations in a capture, as orthonormal rows.
     pub(crate) fn rows(&self, capture: &Capture) -> Vec<Vec<f64>> {
         let columns = columns(&self.structure, capture);
-        let torque = |coefficients: &Vec<f64>| {
-            let mut sum = vec![0.0; capture.row_count()];
-            let terms = columns.iter().zip(coefficients);
-            terms.for_each(|(column, coefficient)| vector::subtract(&mut sum, -coefficient, column));
-            sum
-        };
+        let nothing = vec![0.0; capture.row_count()];
+        // The sign of a row does not matter.
+        let torque = |coefficients: &Vec<f64>| residual(&columns, &nothing, coefficients);
         vector::orthonormal(&self.combinations.iter().map(torque).collect::<Vec<_>>())
     }
 

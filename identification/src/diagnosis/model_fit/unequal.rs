@@ -12,7 +12,6 @@ use crate::diagnosis::model_fit::lobes::{Lobes, Unit};
 use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::statistics::{deviation_of_sum, interval, mean, student_95};
-use crate::numerics::vector::dot;
 use crate::regression::characteristic::holds;
 use crate::regression::least_squares::LeastSquares;
 use crate::regression::refiner::{self, longest_improving};
@@ -58,9 +57,7 @@ pub(crate) fn structure(base: &Structure, capture: &Capture) -> Option<(Structur
 /// The fit of a structure without coupling from where it stands, unequal detents included.
 pub(crate) fn settled(structure: Structure, capture: &Capture) -> Separable<'_> {
     let structure = fitted_anew(&structure, capture, |lobes| lobes).unwrap_or(structure);
-    let mut fit = Separable::new(structure, capture);
-    fit.refine(ROUNDS);
-    fit
+    Separable::new(structure, capture).refined(ROUNDS)
 }
 
 /// The structure fitted with a height and a place for each lobe, so that peaks and troughs differ; `None` without such detents.
@@ -83,7 +80,7 @@ fn fitted(mut lobes: Lobes, structure: &Structure, index: usize, capture: &Captu
     // Friction that grows with the load also grows with the detents' torque.
     let load_factor = whole.structure.load_factor(&capture.motion);
     let more = |at: usize| load_factor.as_ref().map_or(0.0, |factor| factor[at]);
-    let (mut all, target) = whole.linearised_with(load_factor.as_deref());
+    let (mut all, target) = whole.linearised(load_factor.as_deref());
     all.drain(range.clone());
     let rest_columns: Vec<&[f64]> = all.iter().map(AsRef::as_ref).collect();
     let mut nonnegative = whole.structure.nonnegative();
@@ -92,18 +89,14 @@ fn fitted(mut lobes: Lobes, structure: &Structure, index: usize, capture: &Captu
     let mut columns = columns_of(&lobes, capture, more);
     let solve = |lobes: &Lobes, columns: &[Vec<f64>]| solved(lobes, columns, &rest_columns, &target, &nonnegative);
     let heights_alone = |lobes: &Lobes, columns: &[Vec<f64>]| solve(lobes, &columns[..lobes.units()]);
-    let squares_of = |lobes: &Lobes, columns: &[Vec<f64>]| {
-        let left = heights_alone(lobes, columns).residual;
-        dot(&left, &left)
-    };
-    let mut squares = squares_of(&lobes, &columns);
+    let mut squares = heights_alone(&lobes, &columns).squares();
     refiner::refine(STEPS, SETTLED, squares, |left| {
         let step = solve(&lobes, &columns).coefficients;
         let (heights_mnm, shifts_rad) = step[rest_columns.len()..].split_at(lobes.units());
         let better = longest_improving(0.4, |share| {
             let moved = lobes.moved(heights_mnm, shifts_rad, share)?;
             let columns = columns_of(&moved, capture, more);
-            let now = squares_of(&moved, &columns);
+            let now = heights_alone(&moved, &columns).squares();
             (now < left).then_some((now, moved, columns))
         });
         let (now, moved, moved_columns) = better?;

@@ -9,11 +9,10 @@ use rayon::prelude::*;
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::findings::Characteristic;
 use crate::diagnosis::model_fit::separable::Separable;
-use crate::diagnosis::search::Search;
 use crate::diagnosis::search::acceptance::{FALSE_DISCOVERIES, LEFT, takes_its_part};
 use crate::diagnosis::search::found::Found;
 use crate::diagnosis::search::judged::Judged;
-use crate::diagnosis::search::null_test;
+use crate::diagnosis::search::{Search, null_test};
 use crate::numerics::statistics::{NORMAL_95, false_discovery_rate, interval};
 use crate::regression::characteristic::{CharacteristicPoint, Spline, holds};
 use crate::regression::least_squares::LeastSquares;
@@ -32,7 +31,7 @@ const TURNS: f64 = 1.1;
 
 /// All splines that a capture could show.
 fn all_splines(capture: &Capture) -> Vec<Spline> {
-    let scene = capture.scene();
+    let scene = &capture.scene;
     let turns = scene.is_rotary && scene.travel_rad() > TURNS * TAU;
     let over_angle = [effects::angle_characteristic::KIND.name, effects::friction_characteristic::KIND.name];
     let mut all = Vec::new();
@@ -81,7 +80,7 @@ impl Search<'_> {
 
     /// The fit with a torque that bends slowly along the angle.
     pub(crate) fn bent(&self, current: &Judged) -> Option<Judged> {
-        let scene = self.train.scene();
+        let scene = &self.train.scene;
         let [.., finest] = POINTS;
         let range = [scene.lowest_rad, scene.highest_rad];
         let spline = Spline::new(&effects::angle_characteristic::KIND, range, finest, None)?;

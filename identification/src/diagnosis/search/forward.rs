@@ -20,7 +20,7 @@ impl Search<'_> {
                 return None;
             }
             let readings_mnm = self.heldout.torque_mnm(structure.skew_s);
-            let (model, motions) = (structure.model(), self.heldout.motions());
+            let (model, motions) = (structure.model(), &self.heldout.motions);
             let errors = simulate::forward_windows(&model, motions, &readings_mnm, FORWARD_WINDOW_S).ok()?;
             errors.angle_rms_rad.is_finite().then_some(errors.angle_rms_rad)
         };

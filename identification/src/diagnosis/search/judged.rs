@@ -8,7 +8,7 @@ use crate::diagnosis::model_fit::residuals;
 use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::statistics::{mean_over_error, student_above};
-use crate::numerics::vector::{dot, sum};
+use crate::numerics::vector::{square, sum};
 use crate::regression::least_squares::LeastSquares;
 
 /// Stretches over which a comparison of two structures is repeated.
@@ -36,7 +36,6 @@ pub(crate) struct Judged {
 }
 
 impl Judged {
-    /// Judges a separable fit.
     pub(crate) fn separable(fit: &Separable<'_>, heldout: &Capture) -> Self {
         Self::of(fit.structure.clone(), fit.residual.clone(), fit.capture, heldout)
     }
@@ -48,7 +47,7 @@ impl Judged {
 
     pub(super) fn of(structure: Structure, train_residual: Vec<f64>, train: &Capture, heldout: &Capture) -> Self {
         let heldout_residual = residual_elsewhere(&structure, heldout);
-        let rms = |residual: &[f64], capture: &Capture| (dot(residual, residual) / capture.weight).sqrt();
+        let rms = |residual: &[f64], capture: &Capture| (square(residual) / capture.weight).sqrt();
         let train_rms_mnm = rms(&train_residual, train);
         let heldout_rms_mnm = rms(&heldout_residual, heldout);
         let likelihood = -train.weight * train_rms_mnm.max(f64::MIN_POSITIVE).ln()
@@ -117,9 +116,8 @@ impl Judged {
 
     /// Share of this structure's training residual above the floor that another structure explains.
     pub(crate) fn explained_by(&self, other: &Self) -> f64 {
-        let square = |rms_mnm: f64| rms_mnm * rms_mnm;
-        (square(self.train_rms_mnm) - square(other.train_rms_mnm))
-            / (square(self.train_rms_mnm) - square(self.train_floor_mnm))
+        let above = |level_mnm: f64| self.train_rms_mnm.powi(2) - level_mnm.powi(2);
+        above(other.train_rms_mnm) / above(self.train_floor_mnm)
     }
 
     /// The larger RMS left of the two captures, in floors.
@@ -192,7 +190,6 @@ fn where_differing(mut gains: Vec<f64>) -> Option<Vec<f64>> {
 /// By how much the logarithm of the mean square falls in each stretch.
 fn stretches(before: &[f64], after: &[f64]) -> Vec<f64> {
     let length = before.len().div_ceil(BLOCKS).max(1);
-    let square = |values: &[f64]| dot(values, values);
     // Stretches with hardly any rows must not weigh as much as whole ones.
     let typical = 0.1 * square(before).min(square(after)) / BLOCKS as f64;
     before

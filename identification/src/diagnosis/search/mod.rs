@@ -26,15 +26,13 @@ use crate::diagnosis::error::DiagnosisError;
 use crate::diagnosis::findings::Partial;
 use crate::diagnosis::model_fit::nonlinear::Nonlinear;
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::diagnosis::model_fit::twist;
-use crate::diagnosis::model_fit::unequal;
+use crate::diagnosis::model_fit::{twist, unequal};
 use crate::diagnosis::workflow::{DiagnoseOptions, Progress};
 use crate::fit::fit_in_time;
 use crate::numerics::statistics::false_discovery_rate;
 use crate::numerics::vector::dot;
 use crate::{FitError, Samples};
 
-/// Most effects that are added.
 pub(crate) const MOST_EFFECTS: usize = 4;
 /// Effects beside which all others are fitted anew before one is chosen.
 const PROMISING: usize = 4;
@@ -100,8 +98,7 @@ impl<'a> Search<'a> {
         if !structure.is_coupled() {
             return Judged::separable(&unequal::settled(structure, self.train), self.heldout);
         }
-        let mut fit = Nonlinear::new(twist::settled(structure, self.train), self.train);
-        fit.refine();
+        let fit = Nonlinear::new(twist::settled(structure, self.train), self.train).refined();
         Judged::nonlinear(&fit, self.train, self.heldout)
     }
 
@@ -125,13 +122,6 @@ impl<'a> Search<'a> {
             }
         }
         Ok(())
-    }
-
-    /// Adds effect after effect as long as one is worth it.
-    pub(crate) fn explain(&self, base: Judged) -> Found {
-        let mut found = Found::from(base);
-        self.extend_and_revise(&mut found);
-        found
     }
 
     /// Returns a better explanation if there is one: found from another first effect, without unequal detents, or with peaks and
@@ -201,7 +191,8 @@ impl<'a> Search<'a> {
         (best.named().evidence > last.evidence + TIE).then_some(best)
     }
 
-    fn extend_and_revise(&self, found: &mut Found) {
+    /// Adds effect after effect as long as one is worth it.
+    pub(crate) fn extend_and_revise(&self, found: &mut Found) {
         for _ in 0..MOST_EFFECTS {
             self.extend(found);
             if !self.replace_one(found) && !self.find_detents_again(found) {

@@ -9,11 +9,9 @@ use rayon::prelude::*;
 
 use crate::diagnosis::findings::Value;
 use crate::diagnosis::model_fit::bound::on_bound;
-use crate::diagnosis::model_fit::intervals;
 use crate::diagnosis::model_fit::separable::{BEND, Separable};
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::diagnosis::model_fit::twist;
-use crate::diagnosis::model_fit::unequal;
+use crate::diagnosis::model_fit::{intervals, twist, unequal};
 use crate::diagnosis::search::Search;
 use crate::diagnosis::search::acceptance::{
     CLOSED, EVIDENCE, explains_enough, explains_most_of_the_gap, is_near_the_floor,

@@ -36,7 +36,7 @@ pub(crate) fn forward(
     let known = known.ok_or("nothing is known of the rig's motor without a calibration; lay one beside the capture")?;
     // The torque that the motor's known cogging takes is subtracted from the command.
     let on_grid = |commanded: CommandedTorque<'_>, capture: &Capture| -> Vec<f64> {
-        let commands_mnm = on_grid(commanded, capture).into_iter().zip(capture.motions());
+        let commands_mnm = on_grid(commanded, capture).into_iter().zip(&capture.motions);
         commands_mnm.map(|(command_mnm, motion)| command_mnm - known.motor_cogging_mnm(motion.angle_rad)).collect()
     };
     let motor = motor(known.motor_inertia, train, &on_grid(of_train, train))
@@ -44,7 +44,7 @@ pub(crate) fn forward(
     let commands = on_grid(of_heldout, heldout);
     let mut angle_rms_rad = Vec::new();
     for model in chain {
-        let errors = forward_windows_from_command(model, &motor, heldout.motions(), &commands, FORWARD_WINDOW_S);
+        let errors = forward_windows_from_command(model, &motor, &heldout.motions, &commands, FORWARD_WINDOW_S);
         match errors {
             Ok(errors) if errors.angle_rms_rad.is_finite() && !errors.windows.is_empty() => {
                 angle_rms_rad.push(errors.angle_rms_rad);
@@ -59,7 +59,7 @@ pub(crate) fn forward(
 fn on_grid(CommandedTorque { torque_mnm, t_s }: CommandedTorque<'_>, capture: &Capture) -> Vec<f64> {
     let rate_hz = capture.rate_hz;
     let mut index = 0;
-    let each = capture.motions().iter().map(|motion| {
+    let each = capture.motions.iter().map(|motion| {
         let now_s = capture.start_s + motion.time_s;
         // A grid point may lie a rounding before its sample.
         while t_s.get(index + 1).is_some_and(|next_s| next_s - now_s < 0.25 / rate_hz) {
@@ -75,7 +75,7 @@ fn on_grid(CommandedTorque { torque_mnm, t_s }: CommandedTorque<'_>, capture: &C
 /// torque sensor.
 fn motor(inertia: f64, capture: &Capture, commands_mnm: &[f64]) -> Option<RigMotor> {
     let torque_mnm = capture.torque_mnm(0.0);
-    let (motions, velocity) = (capture.motions(), &capture.motion.velocity_rad_s);
+    let (motions, velocity) = (&capture.motions, &capture.motion.velocity_rad_s);
     let slow_rad_s = SLOW * rms(velocity);
     let lost_mnm =
         |at: usize| acting_mnm(commands_mnm, at) - torque_mnm[at] - inertia * motions[at].acceleration_rad_s2;

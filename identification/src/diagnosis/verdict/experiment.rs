@@ -31,6 +31,7 @@ pub(crate) fn next(
     // Independent rows of noise, each with half the square of the difference over it.
     let rows = 2.0 * capture.band.edge_hz * DURATION_S;
     let evidence = |difference_rms_mnm: f64| 0.5 * rows * (difference_rms_mnm / floor_mnm).powi(2);
+    let delays_s = rivals.map(Structure::delay_s);
     let mut best: Option<(f64, &str, f64)> = None;
     for name in excitation::NAMES.iter().filter(|name| !matches!(**name, "hold" | "torque-ramp")) {
         let Ok(usual) = Excitation::named(name, Drive::Position) else { continue };
@@ -38,17 +39,13 @@ pub(crate) fn next(
             let Ok(sweep) = usual.with_amplitude(share * reach_rad.min(usual.amplitude)) else { continue };
             let Some(motions) = motions(&sweep, scene.highest_speed_rad_s) else { continue };
             let torques = rivals.map(|rival| rival.model().readings_mnm(&motions));
-            let mut squares = 0.0;
-            for (index, motion) in motions.iter().enumerate() {
-                let difference = torques[0][index] - torques[1][index];
-                // A delay shows as the torque's change over it.
-                let delays = [rivals[0].delay_s(), rivals[1].delay_s()];
-                let rate = |torque: &[f64]| (torque[index] - torque[index.saturating_sub(1)]) * RATE_HZ;
-                let late = delays[1] * rate(&torques[1]) - delays[0] * rate(&torques[0]);
-                if motion.velocity_rad_s != 0.0 {
-                    squares += (difference + late).powi(2);
-                }
-            }
+            // A delay shows as the torque's change over it.
+            let late_mnm = |rival: usize, at: usize| {
+                let [before, now] = [at.saturating_sub(1), at].map(|at| torques[rival][at]);
+                now - delays_s[rival] * (now - before) * RATE_HZ
+            };
+            let moving = (0..motions.len()).filter(|at| motions[*at].velocity_rad_s != 0.0);
+            let squares: f64 = moving.map(|at| (late_mnm(0, at) - late_mnm(1, at)).powi(2)).sum();
             let rms_mnm = (squares / motions.len() as f64).sqrt();
             if evidence(rms_mnm).is_finite() && best.is_none_or(|(most_mnm, ..)| rms_mnm > most_mnm) {
                 best = Some((rms_mnm, *name, sweep.amplitude));

@@ -64,7 +64,7 @@ pub(crate) fn locate(residual: &[f64], structure: &Structure, capture: &Capture)
         ("load", "mNm", take(&|index| load[index])),
         ("time", "s", take(&|index| capture.start_s + motion(index).time_s)),
     ];
-    if capture.scene().is_rotary {
+    if capture.scene.is_rotary {
         coordinates.push(("angle-within-turn", "rad", take(&|index| motion(index).angle_rad.rem_euclid(TAU))));
     }
     if let Some(period_rad) = structure.parameter("detent_period") {

@@ -13,9 +13,8 @@ use dynamics::{Model, effects};
 use self::locate::locate;
 use crate::diagnosis::capture::{Capture, SLIDING, rows};
 use crate::diagnosis::findings::{Diagnosis, Rival, Step, Value, Verdict};
-use crate::diagnosis::model_fit::intervals;
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::diagnosis::model_fit::unequal;
+use crate::diagnosis::model_fit::{intervals, unequal};
 use crate::diagnosis::search::acceptance::{
     LEFT, LOWER_FLOOR, MOSTLY_EXPLAINED, MOSTLY_NOISE, TIE, UNEXPLAINED, is_near_the_floor, takes_its_part, worthwhile,
 };
@@ -24,7 +23,7 @@ use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::{Search, null_test};
 use crate::fit::report::one_sided_friction;
 use crate::numerics::statistics::rank_correlation;
-use crate::numerics::vector::dot;
+use crate::numerics::vector::square;
 
 /// RMS in floors above which something is left even if the residual depends on no coordinate. If noise is stronger at low frequencies, the rests
 /// in which it is measured are too short to show all of it. Of 34 captures with such noise and nothing hidden, four left 1.6 to 1.8 floors.
@@ -214,7 +213,7 @@ impl Search<'_> {
         diagnosis.notes.extend(self.on_bounds(found).into_iter().map(|(effect, reason)| {
             format!("{effect}: {reason}: it may be another effect; capture a wider and a faster motion")
         }));
-        let (model, scene) = (last.structure.model(), self.train.scene());
+        let (model, scene) = (last.structure.model(), &self.train.scene);
         let effects = model.effects.iter().zip(&values);
         let notes = effects.filter_map(|(effect, values)| shown_in_part::note(effect, &model, values, scene));
         diagnosis.notes.extend(notes);
@@ -257,7 +256,6 @@ impl Search<'_> {
 
     fn relative_error_percent(&self, judged: &Judged) -> f64 {
         let target = self.heldout.target(judged.structure.delay_s());
-        let square = |values: &[f64]| dot(values, values);
         100.0 * (square(&judged.heldout_residual) / square(&target)).sqrt()
     }
 
@@ -313,18 +311,18 @@ impl Search<'_> {
 
     /// The effects that were added, in order of the torque that each contributes to the final model.
     fn strongest_first(&self, structure: &Structure, steps: &[Step]) -> Vec<&'static str> {
-        let with = structure.model().readings_mnm(self.train.motions());
+        let with = structure.model().readings_mnm(&self.train.motions);
         let mut sizes: Vec<(f64, &'static str)> = steps
             .iter()
             .filter_map(|step| {
                 let index = structure.position(step.effect)?;
                 let less = structure.without(index);
-                let without = less.model().readings_mnm(self.train.motions());
+                let without = less.model().readings_mnm(&self.train.motions);
                 let delayed = self.train.target(structure.delay_s()).into_iter().zip(self.train.target(less.delay_s()));
                 let late: f64 = delayed.map(|(with, without)| (with - without).powi(2)).sum();
                 let difference: Vec<f64> = with.iter().zip(&without).map(|(with, without)| with - without).collect();
                 let rows = self.train.row_filter.rows(&difference);
-                Some((dot(&rows, &rows) + late, step.effect))
+                Some((square(&rows) + late, step.effect))
             })
             .collect();
         sizes.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -53,6 +53,11 @@ pub(crate) fn dot(left: &[f64], right: &[f64]) -> f64 {
     widest!(dot_inline(left, right))
 }
 
+/// Sum of a column's squares.
+pub(crate) fn square(column: &[f64]) -> f64 {
+    dot(column, column)
+}
+
 #[inline(always)]
 fn dot_inline(left: &[f64], right: &[f64]) -> f64 {
     let length = left.len().min(right.len());
@@ -147,9 +152,9 @@ pub(crate) fn sum(values: &[f64]) -> f64 {
 }
 
 /// `xᵀ·matrix·x` for the symmetric `matrix` and every row x of the columns.
-pub(crate) fn quadratic_form<C: Deref<Target = [f64]>>(columns: &[C], matrix: &DMatrix<f64>, output: &mut [f64]) {
-    let rows = output.len();
-    output.fill(0.0);
+pub(crate) fn quadratic_form<C: Deref<Target = [f64]>>(columns: &[C], matrix: &DMatrix<f64>) -> Vec<f64> {
+    let rows = columns.first().map_or(0, |column| column.len());
+    let mut output = vec![0.0; rows];
     widest!({
         let mut inner = [0.0; BLOCK];
         for start in (0..rows).step_by(BLOCK) {
@@ -169,6 +174,7 @@ pub(crate) fn quadratic_form<C: Deref<Target = [f64]>>(columns: &[C], matrix: &D
             }
         }
     });
+    output
 }
 
 /// Columns of Coulomb and viscous friction, of the negative and the positive direction each, as the effect defines them.

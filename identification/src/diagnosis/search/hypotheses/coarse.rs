@@ -5,7 +5,7 @@ use dynamics::{Effect, Motion, Part};
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::separable::Separable;
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::numerics::vector::{self, dot};
+use crate::numerics::vector::{self, square};
 use crate::regression::least_squares::LeastSquares;
 
 /// Estimates how much a further effect would explain, at the rows' middles and without filtering: enough to choose starts.
@@ -66,6 +66,6 @@ impl Coarse {
     pub(super) fn gain_of(&self, mut columns: Vec<Vec<f64>>, nonnegative: &[bool]) -> (f64, Vec<f64>) {
         columns.iter_mut().for_each(|column| vector::take_out(&self.basis, column));
         let solved = LeastSquares::held(&columns, &self.residual, nonnegative, &[]);
-        (dot(&self.residual, &self.residual) - dot(&solved.residual, &solved.residual), solved.coefficients)
+        (square(&self.residual) - solved.squares(), solved.coefficients)
     }
 }

@@ -9,9 +9,8 @@ use super::starts;
 use crate::diagnosis::capture::Capture;
 use crate::diagnosis::model_fit::bound::on_bound;
 use crate::diagnosis::model_fit::nonlinear::Nonlinear;
-use crate::diagnosis::model_fit::sticking;
 use crate::diagnosis::model_fit::structure::Structure;
-use crate::diagnosis::model_fit::twist;
+use crate::diagnosis::model_fit::{sticking, twist};
 use crate::diagnosis::search::acceptance::{CLOSED, OPEN, WORTHWHILE};
 use crate::diagnosis::search::judged::Judged;
 
@@ -102,12 +101,7 @@ pub(crate) fn fitted<'a>(
     slow.dedup_by(|later, sooner| later.0 < (1.0 + ALIKE) * sooner.0 && later.1.is_like(&sooner.1, ALIKE));
     let mut slow = slow.into_iter().map(|(_, fit)| fit);
     // Most starts show soon that they lead nowhere.
-    let begun = |fit: Option<Nonlinear<'a>>| {
-        fit.map(|mut fit| {
-            fit.refine_shortly();
-            fit
-        })
-    };
+    let begun = |fit: Option<Nonlinear<'a>>| fit.map(Nonlinear::refined_shortly);
     // Several valleys may be as deep where the first capture hardly shows the contact: both captures choose, among those that do not end on
     // a bound.
     let mut best: Option<((bool, f64), Judged, Nonlinear<'_>)> = None;
@@ -119,7 +113,7 @@ pub(crate) fn fitted<'a>(
             next = begun(after);
             continue;
         }
-        ((), next) = rayon::join(|| fit.refine(), || begun(after));
+        (fit, next) = rayon::join(|| fit.refined(), || begun(after));
         least = least.min(fit.squares());
         let judged = Judged::nonlinear(&fit, train, heldout);
         let is_closed = judged.train_over_floor() < CLOSED;
@@ -147,11 +141,7 @@ fn is_closed(judged: &Judged) -> bool {
 fn shaft(starts: &[Effect], base: &Structure, [train, heldout]: [&Capture; 2]) -> Option<Judged> {
     let behind = twist::fitted(starts, base, train)?;
     let simulated = Structure { shaft_is_simulated: true, ..behind.clone() };
-    let refined = |structure| {
-        let mut fit = Nonlinear::new(structure, train);
-        fit.refine();
-        Judged::nonlinear(&fit, train, heldout)
-    };
+    let refined = |structure| Judged::nonlinear(&Nonlinear::new(structure, train).refined(), train, heldout);
     let has_outer = behind.effects.last().is_some_and(|shaft| !shaft.is_absent(shaft_compliance::OUTER_SHARE));
     // Between two inertias, a twist computed from a noisy torque favours a sharp resonance: there only simulations are compared.
     let behind = (!has_outer).then(|| refined(behind));
@@ -199,8 +189,7 @@ pub(crate) fn with_one_more(
     promising.sort_by(|a, b| b.0.total_cmp(&a.0));
     promising.truncate(PROMISING);
     let fits = promising.into_par_iter().map(|(_, structure)| {
-        let mut fit = Nonlinear::new(structure, train);
-        fit.refine();
+        let fit = Nonlinear::new(structure, train).refined();
         let judged = Judged::nonlinear(&fit, train, heldout);
         // Where a body breaks away, a torque more changes everything: then the coupling is looked for anew beside it.
         let gains = base.sticks() && fit.squares() < (1.0 - WORTHWHILE) * present.squares();

@@ -12,7 +12,7 @@ use crate::diagnosis::model_fit::structure::Structure;
 
 /// The effects that could be added to a structure and that a capture could show.
 pub(crate) fn candidates(structure: &Structure, capture: &Capture) -> Vec<&'static EffectKind> {
-    let scene = capture.scene();
+    let scene = &capture.scene;
     let is_coupled = structure.is_coupled();
     let is_measured = structure.position(effects::angle_characteristic::KIND.name).is_some();
     let shows_turns = |least_rad| scene.is_rotary && least_rad <= scene.travel_rad();

@@ -46,21 +46,14 @@ pub(crate) fn fitted<'a>(
         let (_, start) = starts.swap_remove(0);
         return Some(Judged::separable(&base.with(start, kind.columns_of_a_line()), heldout));
     }
-    let refined = starts.into_iter().map(|(_, effect)| {
-        let mut fit = base.with(effect, width);
-        fit.refine_newest(ROUNDS);
-        fit
-    });
+    let refined = starts.into_iter().map(|(_, effect)| base.with(effect, width).newest_refined(ROUNDS));
     let mut best: Separable<'a> = refined.min_by(|a, b| a.squares().total_cmp(&b.squares()))?;
     if kind.name == end_stop::KIND.name {
         best = one_sided(best, base);
     }
     let effect = *best.structure.effects.last()?;
-    let smaller = hypothesis.nested.iter().filter(|columns| **columns < width).map(|columns| {
-        let mut fit = base.with(effect, *columns);
-        fit.refine_newest(2);
-        Judged::separable(&fit, heldout)
-    });
+    let smaller = hypothesis.nested.iter().filter(|columns| **columns < width);
+    let smaller = smaller.map(|columns| Judged::separable(&base.with(effect, *columns).newest_refined(2), heldout));
     let mut fitted: Vec<Judged> = smaller.chain([Judged::separable(&best, heldout)]).collect();
     let mut lines = best;
     while let Some(more) = with_a_line_more(&lines) {
@@ -83,11 +76,8 @@ pub(crate) fn fitted<'a>(
 fn one_sided<'a>(both: Separable<'a>, base: &Separable<'a>) -> Separable<'a> {
     let index = base.structure.effects.len();
     let (stops, columns) = (both.structure.effects[index], both.structure.columns[index]);
-    let sides = end_stop::one_sided(&stops, base.capture.scene()).map(|stop| {
-        let mut fit = base.with(stop, columns);
-        fit.refine_newest(ROUNDS);
-        fit
-    });
+    let sides =
+        end_stop::one_sided(&stops, &base.capture.scene).map(|stop| base.with(stop, columns).newest_refined(ROUNDS));
     let weight = base.capture.weight;
     let is_as_good = |fit: &Separable<'_>| 0.5 * weight * (fit.squares() / both.squares()).ln() < weight.ln();
     let best = sides.into_iter().min_by(|one, other| one.squares().total_cmp(&other.squares()));
@@ -111,9 +101,8 @@ fn with_a_line_more<'a>(fit: &Separable<'a>) -> Option<Separable<'a>> {
     let mut more = effect;
     let each = kind.parameters_of_a_line();
     more.values_mut()[used..used + each].copy_from_slice(&probe.values()[..each]);
-    let mut fit =
-        Separable::new(fit.structure.without(index).with(more, columns + kind.columns_of_a_line()), fit.capture);
-    fit.refine_newest(ROUNDS);
+    let structure = fit.structure.without(index).with(more, columns + kind.columns_of_a_line());
+    let fit = Separable::new(structure, fit.capture).newest_refined(ROUNDS);
     let values = fit.structure.effects[index].values();
     let per_turn = values[used + 1];
     let is_new = cogging::lines_are_resolved(values, &scene)
