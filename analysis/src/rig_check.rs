@@ -10,8 +10,10 @@ const MISSED_SHARE: f64 = 0.01;
 /// Share of a period above which the mean exchange with the rig counts as the cause of missed ticks.
 const SLOW_SHARE: f64 = 0.5;
 
-/// Time from which on a stall of the loop is the machine's, and no lower rate avoids it, s.
+/// A stall of the loop longer than this is the machine's own, s, …
 const LONG_STALL_S: f64 = 5e-3;
+/// … if it also takes more ticks than a loop that is too slow for its rate misses at once: no lower rate avoids it.
+const LONG_STALL_TICKS: f64 = 2.0;
 
 /// What a channel read while nothing moved it.
 #[derive(Clone, Debug, Serialize)]
@@ -77,8 +79,9 @@ impl RigCheck {
         }
         if missed_ticks as f64 > MISSED_SHARE * ticks {
             let (exchange_ms, period_ms) = (1e3 * capture.rig.mean_exchange_s, 1e3 / capture.rate_hz);
-            let stalls = capture.missed_ticks.iter().flatten().copied();
-            let is_long = |stall: &u32| f64::from(*stall) > LONG_STALL_S * capture.rate_hz;
+            let before_stale = capture.unmeasured.iter().map(|sample| sample.missed_ticks);
+            let stalls = capture.missed_ticks.iter().flatten().copied().chain(before_stale);
+            let is_long = |stall: &u32| f64::from(*stall) > (LONG_STALL_S * capture.rate_hz).max(LONG_STALL_TICKS);
             let in_long_stalls: u64 = stalls.clone().filter(is_long).map(u64::from).sum();
             let cause = if exchange_ms > SLOW_SHARE * period_ms {
                 format!(
@@ -132,4 +135,40 @@ fn reading(channel: &'static str, unit: &'static str, values: &[f64]) -> Reading
     let noise_rms = standard_deviation(&steps) / std::f64::consts::SQRT_2;
     let [low, high] = range(values);
     Reading { channel, unit, mean: mean(values), span: high - low, noise_rms }
+}
+
+#[cfg(test)]
+mod tests {
+    use archive::Capture;
+    use shared_types::Sample;
+
+    use super::RigCheck;
+
+    /// What is wrong with a capture of 1000 ticks at 5 kHz, of which those are missed that a stall before a row takes; and before a stale sample.
+    fn amiss(missed_before: impl Fn(usize) -> u32, before_stale: u32) -> String {
+        let missed_ticks: Vec<u32> = (0..1000).map(missed_before).collect();
+        let mut tick = u64::from(before_stale);
+        let ticks = missed_ticks.iter().map(|missed| {
+            tick += u64::from(*missed) + 1;
+            tick
+        });
+        let capture = Capture {
+            rate_hz: 5000.0,
+            tick: ticks.collect(),
+            missed_ticks: Some(missed_ticks),
+            angle_rad: vec![0.0; 1000],
+            torque_mnm: (0..1000).map(f64::from).collect(),
+            unmeasured: vec![Sample { missed_ticks: before_stale, ..Sample::default() }],
+            ..Capture::default()
+        };
+        RigCheck::of(&capture).amiss.join(" ")
+    }
+
+    #[test]
+    fn a_machine_that_stalled_is_distinguished_from_one_that_is_too_slow() {
+        assert!(amiss(|row| if row == 500 { 100 } else { 0 }, 0).contains("stopped the loop for up to 20 ms"));
+        assert!(amiss(|_| 0, 100).contains("stopped the loop for up to 20 ms"), "a stall before a stale sample");
+        assert!(amiss(|row| u32::from(row % 20 == 0), 0).contains("cannot hold the rate; try a lower rate"));
+        assert!(!amiss(|row| u32::from(row == 500), 0).contains("missed"), "one tick in a thousand");
+    }
 }

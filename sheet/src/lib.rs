@@ -36,4 +36,4 @@ pub use gauge::{Design, Gauge, GaugeError};
 pub use qdas::{QDAS_REMARK, QdasRow, qdas};
 pub use repeats::{CurveError, Detent, DetentFigure, Sheet, SheetError, kinds_of};
 pub use specification::{Limits, Specification, SpecificationError};
-pub use verdict::{EnvelopeVerdict, FigureVerdict, Judgement, Verdict, digits};
+pub use verdict::{EnvelopeVerdict, FigureVerdict, Judgement, Verdict};

@@ -1,6 +1,6 @@
 //! Whether a part is as it must be: pass, fail, or undecided where the interval straddles a limit.
 
-use identification::statistics::{range, student_95};
+use identification::statistics::{digits, range, student_95};
 use serde::Serialize;
 use shared_types::Axis;
 
@@ -261,12 +261,6 @@ fn uncovered(envelope: &Envelope, sheet: &Sheet) -> Option<String> {
         let unit = sheet.axis.position_unit();
         format!("the {name} branch reaches from {first} to {last} {unit}, its envelope from {from} to {to}; capture all of it")
     })
-}
-
-/// Decimals that show the width of an interval with two digits.
-#[must_use]
-pub fn digits(width: f64) -> usize {
-    if width > 0.0 { (1.0 - width.log10().floor()).clamp(0.0, 9.0) as usize } else { 4 }
 }
 
 /// A number with the decimals that an interval of that width supports.

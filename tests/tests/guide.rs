@@ -11,7 +11,7 @@ use tests::{guide, printed, program};
 /// Attempts at the whole guide where the host stalls.
 const ATTEMPTS: usize = 3;
 
-/// What commands print of a host that stalls: a rig's watchdog ends a run, or `rig check` misses ticks.
+/// What commands print when the host stalls: a rig's watchdog ends a run, or `rig check` misses ticks.
 const STALLS: [&str; 3] = ["watchdog ran out", "the machine stopped the loop", "cannot hold the rate"];
 
 #[test]

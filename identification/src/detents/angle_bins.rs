@@ -109,7 +109,7 @@ impl AngleBins {
         self.bin_rad *= 2.0;
     }
 
-    /// The best period, given the base coefficients; `None` while the travel supports none.
+    /// The best period, given the base coefficients; `None` while the travel supports none, or the columns cannot be solved for.
     pub(crate) fn scan(&self, coefficients: &[f64], slow_rad_s: f64, band_hz: f64) -> Option<Scan> {
         let columns = self.gram.nrows() - 1;
         let length = (OVERSAMPLING * self.sums.len()).next_power_of_two();
@@ -160,7 +160,7 @@ impl AngleBins {
             if transform.process(&mut input, &mut output).is_err() {
                 output.fill(Complex::ZERO);
             }
-            // The transform sums over exp(−ikθ).
+            // The exponent of the transform is negative, that of these sums positive.
             output[..count].iter().map(Complex::conj).collect()
         };
         (0..=self.gram.nrows()).map(spectrum).collect()

@@ -76,7 +76,7 @@ impl Misfit {
     pub(crate) fn half_width(&self, derivatives: &RowDVector<f64>, by_chance: f64, fitted: f64) -> f64 {
         let beyond = self.others.iter().map(|Shift { change, covariance, is_of_better_model }| {
             let other = (derivatives * covariance).dot(derivatives);
-            // By chance the two estimates differ with the difference of their variances (Hausman).
+            // By chance alone, the variance of the estimates' difference is the difference of their variances (Hausman).
             let chance = (other - fitted).max(LEAST_VARIANCE * other);
             // After a clear shift the truth lies near the better model's estimate, whose own uncertainty is covered too.
             let (critical, about) =

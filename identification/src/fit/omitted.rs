@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::shift::Shift;
 use super::trimmed::Trimmed;
 use crate::numerics::statistics::rms;
-use crate::numerics::vector::{self, dot};
+use crate::numerics::vector::{self, dot, square};
 use crate::regression::least_squares::{LeastSquares, residual};
 use crate::regression::problem::{Column, Problem};
 
@@ -200,8 +200,8 @@ impl Beside {
         let of_friction = gram.solve(&with_friction);
         let parts = &solution.inverse * &with_columns;
         let rest = residual(columns, column, parts.as_slice());
-        let beyond_friction = dot(column, column) - of_friction.dot(&with_friction);
-        let is_separable = dot(&rest, &rest) > INSEPARABLE * beyond_friction;
+        let beyond_friction = square(column) - of_friction.dot(&with_friction);
+        let is_separable = square(&rest) > INSEPARABLE * beyond_friction;
         let mut change = -parts;
         if *is_beyond_friction {
             friction.iter().zip(of_friction.iter()).for_each(|(place, part)| change[*place] += part);

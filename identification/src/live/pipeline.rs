@@ -60,7 +60,7 @@ impl Pipeline {
     pub(super) fn new(rate_hz: f64, band_hz: f64, calibration: Option<&Calibration>) -> Self {
         let cutoff_hz = (ANGLE_BAND * band_hz).min(0.4 * rate_hz);
         let fir = row_low_pass(cutoff_hz, rate_hz);
-        // A torque that leads the angle is not corrected, and of a longer delay only these 50 ms are.
+        // A torque ahead of the angle is not corrected, and of a delay beyond 50 ms only 50 ms are.
         let delay = calibration.map_or(0.0, |known| known.torque_delay_s.clamp(0.0, 0.05)) * rate_hz;
         let part = delay.fract();
         let guard = ((GUARD_S + 1.0 / cutoff_hz) * rate_hz).round() as usize;

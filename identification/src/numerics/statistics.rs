@@ -7,7 +7,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::numerics::vector::{self, dot};
+use crate::numerics::vector::{self, dot, square};
 
 /// Two-sided 95 % of the normal distribution, in standard deviations.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -60,6 +60,16 @@ pub(crate) fn false_discovery_rate(p_value: f64, p_values: &[f64]) -> f64 {
     p_values.iter().filter(|other| **other >= p_value).map(|other| rate(*other)).fold(1.0, f64::min)
 }
 
+/// Decimals that show a width, or half width, of an interval with two digits, nine at most; four where there is no width.
+///
+/// ```
+/// assert_eq!(identification::statistics::digits(0.012), 3);
+/// ```
+#[must_use]
+pub fn digits(width: f64) -> usize {
+    if width > 0.0 { (1.0 - width.log10().floor()).clamp(0.0, 9.0) as usize } else { 4 }
+}
+
 /// A value with the half width of its interval, as people read them: with two digits of the half width.
 ///
 /// ```
@@ -70,8 +80,8 @@ pub(crate) fn false_discovery_rate(p_value: f64, p_values: &[f64]) -> f64 {
 /// ```
 #[must_use]
 pub fn plus_minus(value: f64, half_width: f64) -> String {
-    let decimals = (1.0 - half_width.abs().log10().floor()).clamp(0.0, 12.0) as usize;
-    format!("{value:.decimals$} ± {half_width:.decimals$}")
+    let digits = digits(half_width);
+    format!("{value:.digits$} ± {half_width:.digits$}")
 }
 
 /// Standard deviation of Σ `derivatives`ⱼ·valueⱼ for values with this covariance.
@@ -195,7 +205,7 @@ pub(crate) fn runs<T>(values: &[T], alike: impl FnMut(&T, &T) -> bool) -> impl I
 #[must_use]
 pub fn rms(values: &[f64]) -> f64 {
     let count = values.len().max(1) as f64;
-    (dot(values, values) / count).sqrt()
+    (square(values) / count).sqrt()
 }
 
 /// Correlation of the ranks of pairs (Spearman's), equal values sharing a rank; zero for fewer than three pairs, or if all are equal.
@@ -215,6 +225,6 @@ pub(crate) fn rank_correlation(pairs: &[[f64; 2]]) -> f64 {
         return 0.0;
     }
     let (left, right) = (ranks(0), ranks(1));
-    let size = (dot(&left, &left) * dot(&right, &right)).sqrt();
+    let size = (square(&left) * square(&right)).sqrt();
     if size > 0.0 { dot(&left, &right) / size } else { 0.0 }
 }

@@ -289,8 +289,8 @@ fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
             column[inside].iter().zip(&derivative[shifted.clone()]).map(|(column, rate)| column - rate).collect();
         let rate = &rate[shifted];
         lag += dot(&difference, rate);
-        weight += dot(rate, rate);
-        square += dot(&difference, &difference);
+        weight += vector::square(rate);
+        square += vector::square(&difference);
     }
     let difference = (square / weight.max(f64::MIN_POSITIVE)).sqrt();
     (lag / weight.max(f64::MIN_POSITIVE)).abs() < 0.01 / rate_hz && difference < 0.1 / rate_hz

@@ -160,7 +160,7 @@ impl RowFilter {
 
     /// Number of rows that the mask leaves, each counted by the square of its weight.
     pub(crate) fn weight(&self) -> f64 {
-        vector::dot(&self.mask, &self.mask) / self.step as f64
+        vector::square(&self.mask) / self.step as f64
     }
 
     /// Speeds at the rows where the knob slides, rad/s.

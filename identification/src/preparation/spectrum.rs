@@ -116,7 +116,7 @@ pub(crate) struct AngleSpectrum {
     pub(crate) sweep_hz: f64,
     /// Edge of the widest band in which the acceleration is signal, Hz; at least the sweep's.
     pub(crate) clear_hz: f64,
-    /// Density of the encoder's noise up to that edge, rad²/Hz.
+    /// Density of the encoder's noise up to where the acceleration is last signal, rad²/Hz.
     pub(crate) noise_density: f64,
 }
 

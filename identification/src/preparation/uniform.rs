@@ -73,7 +73,7 @@ impl Uniform {
         let steps = time.windows(2).map(|pair| pair[1] - pair[0]);
         let (gaps, regular): (Vec<f64>, Vec<f64>) = steps.partition(|step| *step > GAP * typical);
         let step = rounded(mean(&regular));
-        let scatter = rms(&regular.iter().map(|regular| regular / step - 1.0).collect::<Vec<f64>>());
+        let scatter = rms(&regular.iter().map(|step_s| step_s / step - 1.0).collect::<Vec<f64>>());
         if gaps.is_empty() && scatter < JITTER {
             return Self::of_columns(samples, step, vec![true; count], <[f64]>::to_vec);
         }

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::gram::{self, COLLINEAR, Solution};
 use super::least_squares::residual;
 use crate::numerics::statistics::student_95;
-use crate::numerics::vector::dot;
+use crate::numerics::vector::{dot, square};
 
 /// Stretches of equal length.
 pub(crate) const BLOCKS: usize = 32;
@@ -36,7 +36,7 @@ impl BlockSums {
     pub(crate) fn new(target: Vec<f64>) -> Self {
         let square = |block| {
             let part = &target[range(block, target.len())];
-            DMatrix::from_element(1, 1, dot(part, part))
+            DMatrix::from_element(1, 1, square(part))
         };
         Self { blocks: (0..BLOCKS).map(square).collect(), target, columns: Vec::new() }
     }
@@ -95,7 +95,7 @@ impl BlockSums {
     pub(crate) fn estimate(&self) -> Option<Estimate> {
         let solution = self.solve()?;
         let left = self.residual(&solution.coefficients);
-        let variance = dot(&left, &left) / (left.len() as f64 - self.width() as f64).max(1.0);
+        let variance = square(&left) / (left.len() as f64 - self.width() as f64).max(1.0);
         Some(Estimate {
             covariance: solution.covariance_over(&self.blocks),
             textbook: solution.inverse() * variance,

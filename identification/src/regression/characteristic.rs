@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use super::gram::{COLLINEAR, Correction};
 use super::least_squares::LeastSquares;
 use crate::numerics::statistics::{NORMAL_95, half_width, interval, mean, range};
-use crate::numerics::vector::{self, dot};
+use crate::numerics::vector::{self, dot, square};
 
 /// Numbers of points that are tried.
 const POINTS: [u16; 5] = [8, 16, 32, 64, 128];
@@ -116,7 +116,7 @@ impl Spline {
 /// Corrections that hold the points of a spline near zero, each by a share of the mean point's square, so that a torque that the `base`
 /// columns (of named effects) can also explain goes to these. The columns of the points follow the `base` columns.
 pub(crate) fn holds(base: usize, points: &[Vec<f64>], share: impl Fn(usize) -> f64) -> Vec<Correction> {
-    let squares: Vec<f64> = points.iter().map(|row| dot(row, row)).collect();
+    let squares: Vec<f64> = points.iter().map(|row| square(row)).collect();
     let mean = mean(&squares);
     let hold = |point| Correction { column: base + point, square: share(point) * mean, product: 0.0 };
     (0..points.len()).map(hold).collect()
@@ -203,7 +203,7 @@ impl CurveProjection {
     pub(crate) fn new(measured: &Measured, both: &[f64]) -> Self {
         let count: usize = measured.curves.iter().map(|curve| curve.points.len()).sum();
         let of_torque = measured.curves.first().map_or(0, |curve| curve.points.len());
-        let square = dot(both, both).max(f64::MIN_POSITIVE);
+        let square = square(both).max(f64::MIN_POSITIVE);
         let columns = measured.columns[measured.columns.len() - count..].iter().enumerate();
         let points: Vec<Vec<f64>> = columns
             .map(|(place, column)| {
@@ -220,7 +220,7 @@ impl CurveProjection {
     pub(crate) fn remainder(&self, column: &[f64]) -> Vec<f64> {
         let free = vec![false; self.points.len()];
         let left = LeastSquares::of_products(&self.points, &self.products, column, &free, &[], COLLINEAR).residual;
-        if dot(&left, &left) > ROUNDING * dot(column, column) { left } else { vec![0.0; column.len()] }
+        if square(&left) > ROUNDING * square(column) { left } else { vec![0.0; column.len()] }
     }
 }
 

@@ -6,7 +6,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::numerics::vector::{self, dot};
+use crate::numerics::vector::{self, dot, square};
 
 /// Places at which half of the kernel is told apart.
 const PLACES_PER_HALF: usize = 16;
@@ -39,7 +39,7 @@ pub(crate) fn kernel_scale(width: usize) -> f64 {
 fn parzen_bandwidth(scores: &[Vec<f64>], rows: usize) -> f64 {
     let (mut above, mut below) = (0.0, 0.0);
     for score in scores {
-        let variance = dot(score, score);
+        let variance = square(score);
         if variance <= 0.0 {
             continue;
         }

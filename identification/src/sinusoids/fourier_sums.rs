@@ -71,7 +71,7 @@ impl FourierSums {
         if self.transform.process(bins, &mut sums).is_err() {
             sums.fill(Complex::ZERO);
         }
-        // The transform sums over exp(−i…).
+        // The exponent of the transform is negative, that of these sums positive.
         sums.iter().zip(&self.correction).map(|(sum, correction)| sum.conj() * correction).collect()
     }
 }

@@ -4,8 +4,8 @@ use std::io::IsTerminal as _;
 
 use comfy_table::{CellAlignment, ContentArrangement, Row, Table, presets};
 use console::measure_text_width;
+pub use identification::statistics::digits;
 use indicatif::{ProgressBar, ProgressStyle};
-pub use sheet::digits;
 
 pub const WIDTH: u16 = 80;
 

@@ -1,5 +1,6 @@
 //! Numbers as they are written in texts.
 
+use identification::statistics::digits;
 pub use report::numbers::count as grouped;
 use report::numbers::fixed;
 use shared_types::Estimate;
@@ -26,8 +27,7 @@ pub fn with_half_width(value: f64, half_width: f64) -> String {
     if !half_width.is_finite() || half_width <= 0.0 {
         return fixed(value, 4);
     }
-    let decimals = (1.0 - half_width.log10().floor()).clamp(0.0, 8.0) as usize;
-    format!("{} ± {}", fixed(value, decimals), fixed(half_width, decimals))
+    format!("{} ± {}", fixed(value, digits(half_width)), fixed(half_width, digits(half_width)))
 }
 
 /// A number with about three digits that count.

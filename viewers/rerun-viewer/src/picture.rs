@@ -258,7 +258,7 @@ impl Picture {
 pub struct Timer(Option<Instant>);
 
 impl Timer {
-    /// Whether it is time; if so, it is again after this period.
+    /// Whether it is time; if so, the next time is this period from now.
     pub fn is_due(&mut self, period: Duration) -> bool {
         let now = Instant::now();
         let due = self.0.is_none_or(|next| now >= next);

@@ -9,7 +9,7 @@ use super::Capture;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::derivative::gradient;
 use crate::numerics::statistics::quantile;
-use crate::numerics::vector::dot;
+use crate::numerics::vector::square;
 
 /// Most and fewest rows of a stretch whose mean square is taken: within these limits, a capture is divided into twice …
 const STRETCH_ROWS: usize = 60;
@@ -43,14 +43,14 @@ impl Capture {
         let expected = |stretch: usize, weight: f64| match &self.of_steps_rad_s2 {
             Some(rows) => {
                 let rows = &rows[stretch * length..rows.len().min((stretch + 1) * length)];
-                weight * of_torque + inertia * inertia * dot(rows, rows)
+                weight * of_torque + inertia * inertia * square(rows)
             }
             None => weight * even,
         };
         let mut ratios: Vec<f64> = residual
             .chunks(length)
             .zip(weights.chunks(length))
-            .map(|(rows, weights)| (dot(rows, rows), weights.iter().sum::<f64>()))
+            .map(|(rows, weights)| (square(rows), weights.iter().sum::<f64>()))
             .enumerate()
             .filter(|(_, (_, weight))| 2.0 * weight > length as f64)
             .map(|(stretch, (square, weight))| square / expected(stretch, weight))
@@ -79,6 +79,6 @@ impl Capture {
         let model = structure.model();
         let [here, there] = [&self.motions, &noisy].map(|motions| self.row_filter.rows(&model.readings_mnm(motions)));
         let difference: Vec<f64> = here.iter().zip(&there).map(|(here, there)| here - there).collect();
-        (dot(&difference, &difference) / self.weight).sqrt()
+        (square(&difference) / self.weight).sqrt()
     }
 }

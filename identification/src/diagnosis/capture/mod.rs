@@ -18,7 +18,7 @@ use self::mains::MainsSpectrum;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::derivative::gradient;
 use crate::numerics::statistics::noise_deviation;
-use crate::numerics::vector::{self, dot, smallest_step};
+use crate::numerics::vector::{self, smallest_step, square};
 use crate::options::AccelerationUse;
 use crate::preparation::band::Band;
 use crate::preparation::filter::Fir;
@@ -161,14 +161,14 @@ impl Capture {
         let weight = row_filter.weight();
         let noise = SensorNoise::of(&row_filter, &motion, &band);
         let of_steps_rad_s2 = encoder_noise::acceleration_rows_rad_s2(samples.angle_rad, &motion, &row_filter);
-        let squares_of_steps = of_steps_rad_s2.as_ref().map_or(0.0, |rows| dot(rows, rows));
+        let squares_of_steps = of_steps_rad_s2.as_ref().map_or(0.0, |rows| square(rows));
         let acceleration_noise_rad_s2 = (noise.acceleration_squares.max(squares_of_steps) / weight).sqrt();
         let acceleration = row_filter.rows(&motion.acceleration_rad_s2);
         let capture = Self {
             torque_noise_mnm: resting_mnm.map_or(white_mnm, |resting| resting.max(white_mnm)),
             acceleration_noise_rad_s2,
             of_steps_rad_s2,
-            acceleration_noise_share: acceleration_noise_rad_s2 / (dot(&acceleration, &acceleration) / weight).sqrt(),
+            acceleration_noise_share: acceleration_noise_rad_s2 / (square(&acceleration) / weight).sqrt(),
             angle_step_rad: smallest_step(samples.angle_rad),
             mains,
             notes: uniform.notes,

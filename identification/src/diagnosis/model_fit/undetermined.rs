@@ -72,7 +72,7 @@ impl Undetermined {
     pub(crate) fn rows(&self, capture: &Capture) -> Vec<Vec<f64>> {
         let columns = columns(&self.structure, capture);
         let nothing = vec![0.0; capture.row_count()];
-        // The sign of a row does not matter.
+        // This is minus the torque; the sign of a row does not matter.
         let torque = |coefficients: &Vec<f64>| residual(&columns, &nothing, coefficients);
         vector::orthonormal(&self.combinations.iter().map(torque).collect::<Vec<_>>())
     }

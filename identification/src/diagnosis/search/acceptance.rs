@@ -39,12 +39,12 @@ pub(crate) const LOWER_FLOOR: f64 = 0.8;
 pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldout: &Capture) -> bool {
     // The likelihood takes all of the residual for noise; where much of it is not, the held-out stretches must speak for the effect.
     let predicts = after.heldout_over_floor() < MOSTLY_NOISE || after.heldout_p_value(before) < CHANCE;
-    predicts && is_needed(before, after, first, heldout)
+    predicts && explains_enough_of_both(before, after, first, heldout)
 }
 
-/// Whether an effect that was added is still worth its name beside those that were added after it: it then explains enough of both captures
-/// together, though the later ones may take much of what it predicts.
-pub(crate) fn is_needed(before: &Judged, after: &Judged, first: &Judged, heldout: &Capture) -> bool {
+/// Whether an effect explains enough of both captures together. One that was added stays by this alone, since those added after it may take
+/// much of what it predicts.
+pub(crate) fn explains_enough_of_both(before: &Judged, after: &Judged, first: &Judged, heldout: &Capture) -> bool {
     let floor = after.heldout_floor_mnm;
     let [_, closed] = gap_and_closed(before, after);
     let is_steady = after.steadily_better_than(before) > STEADY;

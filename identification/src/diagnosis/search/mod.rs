@@ -30,7 +30,7 @@ use crate::diagnosis::model_fit::{twist, unequal};
 use crate::diagnosis::workflow::{DiagnoseOptions, Progress};
 use crate::fit::fit_in_time;
 use crate::numerics::statistics::false_discovery_rate;
-use crate::numerics::vector::dot;
+use crate::numerics::vector::{dot, square};
 use crate::{FitError, Samples};
 
 pub(crate) const MOST_EFFECTS: usize = 4;
@@ -103,20 +103,22 @@ impl<'a> Search<'a> {
     }
 
     pub(crate) fn check(&self, base: &Judged) -> Result<(), DiagnosisError> {
-        for (which, capture, residual) in
-            [("training", self.train, &base.train_residual), ("held-out", self.heldout, &base.heldout_residual)]
-        {
+        for (which, capture, residual, floor_mnm) in [
+            ("training", self.train, &base.train_residual, base.train_floor_mnm),
+            ("held-out", self.heldout, &base.heldout_residual, base.heldout_floor_mnm),
+        ] {
             let target = capture.target(base.structure.delay_s());
-            let square = dot(&target, &target);
-            let over_floor = (square / capture.weight).sqrt() / capture.floor_mnm(0.0);
+            let target_square = square(&target);
+            // Impacts fill the upper end of the spectrum, from which the sensor's noise is taken, but not the quiet stretches.
+            let over_floor = (target_square / capture.weight).sqrt() / capture.floor_mnm(0.0).min(floor_mnm);
             if over_floor < 2.0 {
                 return Err(DiagnosisError::TooQuiet { which, over_floor });
             }
             let predicted: Vec<f64> = target.iter().zip(residual).map(|(target, left)| target - left).collect();
-            let predicted_square = dot(&predicted, &predicted);
+            let predicted_square = square(&predicted);
             let factor = dot(&target, &predicted) / predicted_square.max(f64::MIN_POSITIVE);
             // A model that lacks gravity may well predict the opposite; only a good prediction shows a wrong unit.
-            let predicts = predicted_square * factor.powi(2) > WELL_PREDICTED * square;
+            let predicts = predicted_square * factor.powi(2) > WELL_PREDICTED * target_square;
             if which == "held-out" && predicts && !(0.1..10.0).contains(&factor) {
                 return Err(DiagnosisError::DifferentUnits { factor });
             }
@@ -191,7 +193,7 @@ impl<'a> Search<'a> {
         (best.named().evidence > last.evidence + TIE).then_some(best)
     }
 
-    /// Adds effect after effect as long as one is worth it.
+    /// Adds effect after effect as long as one is worth it, and revises what was added.
     pub(crate) fn extend_and_revise(&self, found: &mut Found) {
         for _ in 0..MOST_EFFECTS {
             self.extend(found);

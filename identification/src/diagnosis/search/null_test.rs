@@ -5,7 +5,7 @@ use crate::diagnosis::model_fit::nonlinear::Nonlinear;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::diagnosis::search::judged::Judged;
 use crate::numerics::statistics::median;
-use crate::numerics::vector::dot;
+use crate::numerics::vector::square;
 use crate::regression::least_squares::{LeastSquares, residual};
 
 /// Shifts of the columns, as shares of the capture.
@@ -33,7 +33,7 @@ pub(crate) fn rms_of_columns(
             let solved = LeastSquares::held(&turned, &before.train_residual, &is_bounded, &[]);
             let turned = self::turned(heldout_columns, *shift);
             let residual = residual(&turned, &before.heldout_residual, &solved.coefficients);
-            (dot(&residual, &residual) / heldout.weight).sqrt()
+            (square(&residual) / heldout.weight).sqrt()
         })
         .collect();
     median(&mut left)

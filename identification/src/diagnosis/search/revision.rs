@@ -4,7 +4,7 @@ use dynamics::Effect;
 use dynamics::effects::{self, cogging};
 
 use crate::diagnosis::search::Search;
-use crate::diagnosis::search::acceptance::{FALSE_DISCOVERIES, TIE, is_needed, takes_its_part};
+use crate::diagnosis::search::acceptance::{FALSE_DISCOVERIES, TIE, explains_enough_of_both, takes_its_part};
 use crate::diagnosis::search::found::{Added, Found};
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::trials::detent_of;
@@ -102,7 +102,8 @@ impl Search<'_> {
             let last = found.named();
             let Some(without) = self.without(last, found.steps[step].effect, found) else { return };
             let is_discovery = takes_its_part(&without, last) && last.heldout_p_value(&without) < FALSE_DISCOVERIES;
-            let is_needed = is_needed(&without, last, &found.base, self.heldout) || found.in_part() && is_discovery;
+            let is_needed =
+                explains_enough_of_both(&without, last, &found.base, self.heldout) || found.in_part() && is_discovery;
             let predicts = without.is_finite() && without.heldout_rms_mnm < found.base.heldout_rms_mnm;
             if is_needed || !predicts {
                 step += 1;

@@ -21,7 +21,7 @@ use crate::diagnosis::search::hypotheses::coupled::{self, Effort};
 use crate::diagnosis::search::hypotheses::{candidates, separable};
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::workflow::Progress;
-use crate::numerics::vector::dot;
+use crate::numerics::vector::square;
 
 /// Detents with the amplitude (mNm), periods per turn and phase (rad) of a line of cogging.
 pub(crate) fn detent_of([amplitude_mnm, per_turn, phase_rad]: [f64; 3]) -> Effect {
@@ -271,7 +271,7 @@ impl Search<'_> {
             let cost = 0.5 * freedom as f64 * weight.ln();
             -0.5 * weight * squares.max(f64::MIN_POSITIVE).ln() - cost
         };
-        let squares = |judged: &Judged| dot(&judged.train_residual, &judged.train_residual);
+        let squares = |judged: &Judged| square(&judged.train_residual);
         let freedom = current.structure.freedom();
         let (start, left) = unequal::structure(&current.structure, self.train)?;
         let gap = squares(current) - self.train.weight * current.train_floor_mnm.powi(2);

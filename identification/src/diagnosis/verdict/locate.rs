@@ -6,7 +6,7 @@ use crate::diagnosis::capture::periodogram::periodogram;
 use crate::diagnosis::capture::{Capture, SLIDING};
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::statistics::{false_discovery_rate, mean_over_error, median, student_above};
-use crate::numerics::vector::dot;
+use crate::numerics::vector::square;
 
 /// Bins of a coordinate, each with as many rows.
 const BINS: usize = 24;
@@ -106,7 +106,7 @@ fn mapped(coordinate: &'static str, unit: &'static str, at: &[f64], residual: &[
         let predicted = if count > 0.0 { sum / count } else { 0.0 };
         gains[fold] += value * value - (value - predicted).powi(2);
     }
-    let total = dot(residual, residual).max(f64::MIN_POSITIVE);
+    let total = square(residual).max(f64::MIN_POSITIVE);
     let mut middles = vec![0.0; BINS];
     at.iter().zip(&bins).for_each(|(value, bin)| middles[*bin] += value);
     Location {

@@ -204,9 +204,9 @@ pub(crate) fn orthonormal<C: AsRef<[f64]>>(columns: &[C]) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for column in columns {
         let mut left = column.as_ref().to_vec();
-        let before = dot(&left, &left);
+        let before = square(&left);
         take_out(&basis, &mut left);
-        let after = dot(&left, &left);
+        let after = square(&left);
         if after > DEPENDENT * before {
             left.iter_mut().for_each(|value| *value /= after.sqrt());
             basis.push(left);
