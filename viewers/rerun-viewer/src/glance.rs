@@ -19,11 +19,11 @@ use crate::summary;
 
 /// The large figures of a run as JSON; keys carry their units.
 pub fn of(run: &Run) -> Value {
-    let status = run.status.unwrap_or_default();
-    let has_fault = LoopState::from_code(status.state) == Some(LoopState::Fault);
+    // A finished capture has no control loop.
+    let of_loop = run.status.as_ref();
+    let has_fault = of_loop.is_some_and(|status| LoopState::from_code(status.state) == Some(LoopState::Fault));
     let state = match run.status {
         Some(_) => summary::state(run),
-        // A finished capture has no control loop that would say so.
         None => if run.finished() { "finished" } else { "waiting for a run" }.to_owned(),
     };
     let processes = processes::rows(run, rig::monotonic_time_ns()).into_iter();
@@ -55,8 +55,8 @@ pub fn of(run: &Run) -> Value {
         "sticking": run.motion.map(|motion| motion == Motion::Sticking),
         // Those that the model has: value and half of the 95 % interval with the unit, and whether that is enough.
         "parameters": run.parameters().map(parameter).collect::<Value>(),
-        "missed_ticks": status.missed_ticks,
-        "max_lateness_us": status.max_lateness_ns as f64 / 1e3,
+        "missed_ticks": of_loop.map(|status| status.missed_ticks),
+        "max_lateness_us": of_loop.map(|status| status.max_lateness_ns as f64 / 1e3),
         // The control loop, then the consumers, each with how it fares and whether that calls for the operator.
         "processes": processes.map(process).collect::<Value>(),
     })

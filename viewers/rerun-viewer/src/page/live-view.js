@@ -50,7 +50,8 @@ function show(id, text, className = "") {
 }
 
 function figure(value, digits) {
-  return value == null ? "–" : value.toFixed(digits).replace("-", "−");
+  // Zero takes the sign from what rounds to zero.
+  return value == null ? "–" : (Number(value.toFixed(digits)) + 0).toFixed(digits).replace("-", "−");
 }
 
 function chips(id, items) {
@@ -68,6 +69,7 @@ function chips(id, items) {
 }
 
 function lateness(us) {
+  if (us == null) return "–";
   return us < 1000 ? `${us.toFixed(us < 10 ? 1 : 0)} µs` : `${(us / 1000).toFixed(1)} ms`;
 }
 
@@ -92,7 +94,7 @@ function draw(status) {
   if (status.sticking == null) show("motion", "–");
   else show("motion", status.sticking ? "sticking" : "slipping", status.sticking ? "sticking" : "good");
   show("enough", all ? `${known} of ${all}` : "–", all && known === all ? "good" : "wait");
-  show("missed", String(status.missed_ticks), status.missed_ticks ? "bad" : "");
+  show("missed", String(status.missed_ticks ?? "–"), status.missed_ticks ? "bad" : "");
   show("lateness", lateness(status.max_lateness_us));
   chips(
     "parameters",
