@@ -144,7 +144,7 @@ mod tests {
 
     use super::RigCheck;
 
-    /// What is wrong with a capture of 1000 ticks at 5 kHz, of which those are missed that a stall before a row takes; and before a stale sample.
+    /// What is found wrong with 1000 samples at 5 kHz, with so many ticks missed before each of them, and before a stale one at the start.
     fn amiss(missed_before: impl Fn(usize) -> u32, before_stale: u32) -> String {
         let missed_ticks: Vec<u32> = (0..1000).map(missed_before).collect();
         let mut tick = u64::from(before_stale);

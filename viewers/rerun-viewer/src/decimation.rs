@@ -81,6 +81,14 @@ mod tests {
     }
 
     #[test]
+    fn a_spike_of_one_sample_keeps_its_height_and_its_time() {
+        let value = |tick: i64| if tick == 77 { 1_000.0 } else { (tick as f64 * 0.1).sin() };
+        let points = decimated(Keep::MinMax, 4_000_000, (0..200).map(|tick| (tick * 100_000, value(tick))));
+        let spike = points.values.iter().position(|&value| value == 1_000.0);
+        assert_eq!(spike.map(|at| points.times_ns[at]), Some(7_700_000));
+    }
+
+    #[test]
     fn ten_thousand_samples_a_second_become_five_hundred_in_order() {
         let samples = (0..10_000_i64).map(|tick| (tick * 100_000, ((tick * 7919) % 1013) as f64));
         let points = decimated(Keep::MinMax, 4_000_000, samples);

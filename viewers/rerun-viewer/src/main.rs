@@ -60,6 +60,7 @@ mod slider_drawing;
 mod source;
 mod strokes;
 mod summary;
+mod timer;
 #[cfg(test)]
 mod wedged_page;
 
@@ -77,10 +78,11 @@ use crate::cli::{Arguments, Command};
 use crate::glance::SharedGlance;
 use crate::layout::Subject;
 use crate::outbox::Outbox;
-use crate::picture::{Picture, Timer};
+use crate::picture::Picture;
 use crate::rig_source::RigSource;
 use crate::screen::Screen;
 use crate::source::Source;
+use crate::timer::Timer;
 
 /// How long a run's description is waited for before the view is laid out.
 const DESCRIPTION_PATIENCE: Duration = Duration::from_secs(1);

@@ -1,7 +1,7 @@
 //! What is known of the run, reduced to what a screen can show.
 
 use std::collections::BTreeMap;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use dynamics::Axis;
 use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, RunDescription, Sample, rig};
@@ -15,6 +15,7 @@ use crate::run::Run;
 use crate::scatter::Scatters;
 use crate::signals::Signals;
 use crate::source::Reading;
+use crate::timer::Timer;
 use crate::{numbers, processes, summary};
 
 /// How often the x-y plots get their new points: a browser pays for each message, not for each point.
@@ -250,22 +251,6 @@ impl Picture {
         };
         texts.retain(|(entity, text)| self.texts_shown.insert(entity, text.clone()).as_ref() != Some(text));
         texts
-    }
-}
-
-/// When it is time again; at once at first.
-#[derive(Debug, Default)]
-pub struct Timer(Option<Instant>);
-
-impl Timer {
-    /// Whether it is time; if so, the next time is this period from now.
-    pub fn is_due(&mut self, period: Duration) -> bool {
-        let now = Instant::now();
-        let due = self.0.is_none_or(|next| now >= next);
-        if due {
-            self.0 = Some(now + period);
-        }
-        due
     }
 }
 

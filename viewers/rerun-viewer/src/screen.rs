@@ -21,8 +21,8 @@ use crate::frame::Frame;
 use crate::glance::SharedGlance;
 use crate::layout::Subject;
 use crate::outbox::Outbox;
-use crate::picture::Timer;
 use crate::recording_file::RecordingFile;
+use crate::timer::Timer;
 use crate::{entities, layout, page, port};
 
 /// Name under which rerun keeps the layout.
